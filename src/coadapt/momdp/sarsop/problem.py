@@ -1,0 +1,114 @@
+"""A MOMDP as arrays for the kernels, and its hidden transitions as linear operators."""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from coadapt.arrays import FloatArray, IntArray
+from coadapt.momdp.model import MOMDP
+from coadapt.momdp.sarsop.jit import kernel
+from coadapt.momdp.transition import JumpTransition
+
+
+class Problem(NamedTuple):
+    """What the kernels read. Sizes: X, A, Y, O, E edges, K maps, B blocks of M values."""
+
+    edge_start: IntArray  # [X * A + 1]
+    edge_next: IntArray  # [E]
+    edge_map: IntArray  # [E]
+    row_start: IntArray  # [K * Y + 1], of sparse maps
+    column: IntArray  # [nnz]
+    value: FloatArray  # [nnz]
+    jumps: bool  # whether maps are stay-or-jump instead of sparse
+    rate: FloatArray  # [B, M]
+    target: FloatArray  # [K, M]
+    mixing: FloatArray  # [B, B], or [0, 0] for the identity
+    observation: FloatArray  # [L, O, Y]
+    observation_index: IntArray  # [A, X]
+    reward: FloatArray  # [X, A, Y]
+    discount: float
+
+
+def as_arrays(problem: MOMDP) -> Problem:
+    """The arrays of ``problem``."""
+    maps = problem.transition
+    jumps = isinstance(maps, JumpTransition)
+    no_floats, no_ints = np.zeros(0), np.zeros(0, dtype=np.int64)
+    return Problem(
+        edge_start=problem.edge_start,
+        edge_next=problem.edge_next,
+        edge_map=problem.edge_map,
+        row_start=no_ints if jumps else maps.row_start,
+        column=no_ints if jumps else maps.column,
+        value=no_floats if jumps else maps.value,
+        jumps=jumps,
+        rate=maps.rate if jumps else np.zeros((0, 0)),
+        target=maps.target if jumps else np.zeros((0, 0)),
+        mixing=maps.mixing if jumps and maps.mixing is not None else np.zeros((0, 0)),
+        observation=np.ascontiguousarray(problem.observation.transpose(0, 2, 1)),
+        observation_index=problem.observation_index,
+        reward=problem.reward,
+        discount=problem.discount,
+    )
+
+
+@kernel
+def push(p: Problem, k: int, index: IntArray, mass: FloatArray, size: int, out: FloatArray) -> None:
+    """Write ``mass @ J_k`` to ``out`` ``[Y]``; the mass is ``size`` pairs of index and value."""
+    out[:] = 0.0
+    hidden = out.shape[0]
+    if not p.jumps:
+        for i in range(size):
+            row = k * hidden + index[i]
+            for j in range(p.row_start[row], p.row_start[row + 1]):
+                out[p.column[j]] += mass[i] * p.value[j]
+        return
+    blocks, modes = p.rate.shape
+    for i in range(size):
+        y = index[i]
+        b = y // modes
+        stay = 1.0
+        for m in range(modes):
+            jump = p.rate[b, m] * p.target[k, m]
+            stay -= jump
+            out[b * modes + m] += mass[i] * jump
+        out[y] += mass[i] * max(stay, 0.0)
+    if p.mixing.shape[0] > 0:
+        moved = out.copy()
+        out[:] = 0.0
+        for b in range(blocks):
+            for b_next in range(blocks):
+                for m in range(modes):
+                    out[b_next * modes + m] += moved[b * modes + m] * p.mixing[b, b_next]
+
+
+@kernel
+def pull(p: Problem, k: int, scale: float, values: FloatArray, out: FloatArray) -> None:
+    """Add ``scale * J_k @ values`` to ``out``; both are ``[Y]``."""
+    hidden = out.shape[0]
+    if not p.jumps:
+        for y in range(hidden):
+            total = 0.0
+            for j in range(p.row_start[k * hidden + y], p.row_start[k * hidden + y + 1]):
+                total += p.value[j] * values[p.column[j]]
+            out[y] += scale * total
+        return
+    blocks, modes = p.rate.shape
+    mixed = values
+    if p.mixing.shape[0] > 0:
+        mixed = np.zeros(hidden)
+        for b in range(blocks):
+            for b_next in range(blocks):
+                for m in range(modes):
+                    mixed[b * modes + m] += p.mixing[b, b_next] * values[b_next * modes + m]
+    for b in range(blocks):
+        stay = 1.0
+        jumped = 0.0
+        for m in range(modes):
+            jump = p.rate[b, m] * p.target[k, m]
+            stay -= jump
+            jumped += jump * mixed[b * modes + m]
+        for m in range(modes):
+            out[b * modes + m] += scale * (max(stay, 0.0) * mixed[b * modes + m] + jumped)

@@ -1,0 +1,170 @@
+"""Sampling near the beliefs an optimal policy reaches (Kurniawati, Hsu, Lee 2008, Sec. III-B).
+
+A trial walks down from a root: the action with the largest upper bound, then the successor and
+observation that contribute most to the gap. It carries targets: the lower bound a belief would
+have to exceed, and the upper bound it would have to undercut, to matter at the root. It goes on
+below its target gap where the predicted value says that the lower bound at the root would rise.
+Then every node on the path is backed up, the last first.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from coadapt.arrays import FloatArray, IntArray
+from coadapt.momdp.sarsop.backup import backup_lower, backup_upper, q_lower
+from coadapt.momdp.sarsop.bounds import refresh_lower, refresh_upper
+from coadapt.momdp.sarsop.jit import kernel
+from coadapt.momdp.sarsop.problem import Problem
+from coadapt.momdp.sarsop.tree import (
+    BACKUPS,
+    NONE,
+    TRIALS,
+    Tree,
+    has_room,
+    open_node,
+)
+
+# What `run_trials` ended for.
+CLOSED, WORKED, NO_ROOM = range(3)
+
+DEPTH_LIMIT = 2000
+
+
+class Bins(NamedTuple):
+    """Predicts the value of a belief from beliefs alike: in upper bound and in entropy."""
+
+    total: FloatArray  # [U, H] sum of the lower bounds of the beliefs in each bin
+    number: IntArray  # [U, H] how many they are
+    low: float  # smallest upper bound of a belief
+    width: float  # of a bin
+
+
+BINS = 16
+
+
+def new_bins(low: float, high: float) -> Bins:
+    """Empty bins for values between ``low`` and ``high``."""
+    width = max(high - low, 1e-9) / BINS
+    return Bins(np.zeros((BINS, BINS)), np.zeros((BINS, BINS), dtype=np.int64), low, width)
+
+
+@kernel
+def predicted_value(tree: Tree, bins: Bins, n: int) -> float:
+    """Mean lower bound of the beliefs in the bin of node ``n``; its upper bound in an empty one.
+
+    Counts the node in.
+    """
+    size = bins.total.shape[0]
+    first = tree.entry_start[n]
+    entropy = 0.0
+    for i in range(first, first + tree.entry_count[n]):
+        entropy -= tree.entry_mass[i] * np.log(tree.entry_mass[i])
+    widest = np.log(tree.corner.shape[1] + 1.0)
+    h = min(size - 1, int(size * entropy / widest))
+    u = max(0, min(size - 1, int((tree.corners[n] - bins.low) / bins.width)))
+    known = bins.number[u, h]
+    prediction = bins.total[u, h] / known if known > 0 else tree.upper[n]
+    bins.total[u, h] += tree.lower[n]
+    bins.number[u, h] += 1
+    return prediction
+
+
+@kernel
+def run_trials(
+    p: Problem, tree: Tree, bins: Bins, roots: IntArray, gap: float, backups: int, room: IntArray
+) -> int:
+    """Run trials until every root's gap is at most ``gap`` or ``backups`` more are done.
+
+    Returns:
+        `CLOSED`, `WORKED`, or `NO_ROOM` where a trial was broken off for want of ``room``.
+    """
+    scratch = np.zeros(p.reward.shape[2])
+    path = np.empty(DEPTH_LIMIT + 1, dtype=np.int64)
+    stop = tree.used[BACKUPS] + backups
+    while True:
+        widest = -1.0
+        root = roots[0]
+        for n in roots:
+            spread = refresh_upper(tree, n, scratch) - refresh_lower(tree, n)
+            if spread > widest:
+                widest = spread
+                root = n
+        if widest <= gap:
+            return CLOSED
+        if tree.used[BACKUPS] >= stop:
+            return WORKED
+        tree.used[TRIALS] += 1
+        depth = descend(p, tree, bins, root, gap, room, path, scratch)
+        if depth < 0:
+            return NO_ROOM
+        for i in range(depth, -1, -1):
+            if not has_room(tree, room):
+                return NO_ROOM
+            backup_upper(p, tree, path[i], scratch)
+            backup_lower(p, tree, path[i])
+
+
+@kernel
+def descend(
+    p: Problem,
+    tree: Tree,
+    bins: Bins,
+    root: int,
+    gap: float,
+    room: IntArray,
+    path: IntArray,
+    scratch: FloatArray,
+) -> int:
+    """Write the nodes of a trial to ``path``; the index of the last, or -1 for want of room."""
+    n = root
+    allowed = gap
+    target_lower = refresh_lower(tree, n)
+    target_upper = target_lower + gap
+    depth = 0
+    while True:
+        path[depth] = n
+        if not has_room(tree, room):
+            return -1
+        if tree.first_branch[n] == NONE:
+            open_node(p, tree, n)
+        best = backup_upper(p, tree, n, scratch)
+        lower = refresh_lower(tree, n)
+        upper = tree.upper[n]
+        if depth == DEPTH_LIMIT or upper - lower <= 0.0 or p.discount == 0.0:
+            return depth
+        if (
+            depth > 0
+            and upper <= max(target_upper, lower + allowed)
+            and predicted_value(tree, bins, n) <= target_lower
+        ):
+            return depth
+        branch = tree.first_branch[n] + best
+        value = q_lower(p, tree, branch)
+        target_lower = max(target_lower, value)
+        target_upper = max(target_upper, value + allowed)
+        allowed /= p.discount
+        # The child whose excess gap weighs most.
+        first = tree.first_child[branch]
+        last = first + tree.child_count[branch]
+        chosen = NONE
+        heaviest = 0.0
+        total_lower = total_upper = tree.branch_reward[branch]
+        for c in range(first, last):
+            m = tree.child_node[c]
+            total_lower += p.discount * tree.child_probability[c] * tree.lower[m]
+            total_upper += p.discount * tree.child_probability[c] * tree.upper[m]
+            excess = tree.child_probability[c] * (tree.upper[m] - tree.lower[m] - allowed)
+            if chosen == NONE or excess > heaviest:
+                chosen = c
+                heaviest = excess
+        if chosen == NONE:
+            return depth
+        m = tree.child_node[chosen]
+        weight = p.discount * tree.child_probability[chosen]
+        target_lower = (target_lower - total_lower) / weight + tree.lower[m]
+        target_upper = (target_upper - total_upper) / weight + tree.upper[m]
+        n = m
+        depth += 1
