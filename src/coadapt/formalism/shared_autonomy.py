@@ -1,0 +1,196 @@
+"""Shared autonomy as a mixed-observability MDP (Sec. 5.1).
+
+Observed is the robot state, ``X = X_r`` (a memory of one step keeps the current action alone).
+Hidden are the person's adaptability and mode, ``Y = A x M`` with index ``y = alpha * |M| + m``.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from functools import cached_property
+
+import numpy as np
+
+from coadapt.arrays import FloatArray, IntArray
+from coadapt.formalism.reward import reward
+from coadapt.human import filter as human_filter
+from coadapt.human.adaptation import Adaptability, require_distribution
+from coadapt.human.modal import maximum_entropy_policy
+from coadapt.human.perceived import perceived_robot_mode
+from coadapt.momdp.model import MOMDP, Root
+from coadapt.momdp.transition import JumpTransition
+from coadapt.worlds import World
+
+PAPER_ADAPTABILITY = (0.0, 0.25, 0.5, 0.75, 1.0)
+"""The values of alpha in Sec. 6.5."""
+
+
+@dataclass(frozen=True)
+class SharedAutonomy:
+    """A world shared by a robot that moves and a person who steers: the model of Sec. 2 to 5.
+
+    Attributes:
+        world: states, moves, goals; one mode for each goal.
+        memory: the ``k`` last steps from which the person infers the robot's mode. Must be 1.
+        adaptability: values of alpha (then with a uniform prior, fixed over time), or an
+            `Adaptability` with a prior and transition of its own.
+        mode_prior: ``[M]`` belief over the person's first mode; uniform by default.
+        disagreement_cost: ``C`` of Eq. 8, at most 0.
+        discount: gamma, in [0, 1). The paper does not state it.
+        step_cost: ``c`` of the maximum-entropy modal policies, in nats; not in the
+            paper.
+        policies: ``[M, X, A]`` modal policies to use instead of the maximum-entropy ones, for
+            both halves of the joint policy.
+
+    Raises:
+        ValueError: if a parameter is out of its range.
+    """
+
+    world: World
+    memory: int = 1
+    adaptability: Adaptability | Sequence[float] = PAPER_ADAPTABILITY
+    mode_prior: Sequence[float] | None = None
+    disagreement_cost: float = -0.32
+    discount: float = 0.99
+    step_cost: float = 3.0
+    policies: FloatArray | None = None
+
+    def __post_init__(self) -> None:
+        if self.memory != 1:
+            raise ValueError(f"memory must be 1 step, not {self.memory}")
+        if not -np.inf < self.disagreement_cost <= 0:
+            raise ValueError(f"disagreement cost must be at most 0, not {self.disagreement_cost}")
+        if not 0 <= self.discount < 1:
+            raise ValueError(f"discount must lie in [0, 1), not {self.discount}")
+        if self.policies is not None:
+            shape = (len(self.world.goals), *self.world.moves.shape)
+            require_distribution("policies", self.policies, shape)
+        # The derived pieces refuse bad values; compute the cheap ones now, so that errors surface
+        # where the model is made.
+        _ = self.alpha, self.prior
+
+    @cached_property
+    def alpha(self) -> Adaptability:
+        """The values, prior and transition of adaptability."""
+        if isinstance(self.adaptability, Adaptability):
+            return self.adaptability
+        return Adaptability.over(self.adaptability)
+
+    @cached_property
+    def mode_names(self) -> tuple[str, ...]:
+        """A mode is named after its goal."""
+        return tuple(goal.name for goal in self.world.goals)
+
+    @cached_property
+    def modal_policies(self) -> FloatArray:
+        """``[M, X, A]``: each mode's policy, for the human and the robot half alike (Sec. 3.1)."""
+        if self.policies is not None:
+            return self.policies
+        goals = self.world.goal_states
+        return np.stack(
+            [
+                maximum_entropy_policy(
+                    self.world.moves, goal, self.step_cost, [g for g in goals if g != goal]
+                )
+                for goal in goals
+            ]
+        )
+
+    @cached_property
+    def perceived(self) -> FloatArray:
+        """``[X, A, M]``: ``P(m_r | x, a_r)``, Eq. 2."""
+        states, actions = self.world.moves.shape
+        # A window of one step for every state and action: [X, 1, 1] and [1, A, 1].
+        window_states = np.arange(states, dtype=np.int64)[:, None, None]
+        window_actions = np.arange(actions, dtype=np.int64)[None, :, None]
+        return perceived_robot_mode(self.modal_policies, window_states, window_actions)
+
+    @cached_property
+    def reward(self) -> FloatArray:
+        """``[X, A, M]``: ``R(x, m_h, a_r)``, Eq. 6-8."""
+        return reward(self.world, self.perceived, self.disagreement_cost)
+
+    @cached_property
+    def prior(self) -> FloatArray:
+        """``[A, M]`` joint belief over adaptability and mode before the first input."""
+        modes = len(self.world.goals)
+        prior = np.full(modes, 1 / modes) if self.mode_prior is None else np.array(self.mode_prior)
+        require_distribution("mode prior", prior, (modes,))
+        return np.outer(self.alpha.prior, prior)
+
+    @cached_property
+    def input_likelihood(self) -> FloatArray:
+        """``[X, A_h, M]``: ``O(a_h | m, x)`` of Sec. 5.1."""
+        return np.ascontiguousarray(np.moveaxis(self.modal_policies, 0, -1))
+
+    def correct(
+        self, belief: FloatArray, state: int | IntArray, human_input: int | IntArray
+    ) -> FloatArray:
+        """The belief ``[A, M]`` after the person's input in ``state`` (Eq. 5).
+
+        Arrays ``[N]`` of states and inputs go with beliefs ``[N, A, M]``.
+        """
+        return human_filter.correct(belief, self.input_likelihood[state, human_input])
+
+    def predict(
+        self, belief: FloatArray, state: int | IntArray, action: int | IntArray
+    ) -> FloatArray:
+        """The belief ``[A, M]`` after the robot took ``action`` in ``state`` (Eq. 9).
+
+        Arrays ``[N]`` of states and actions go with beliefs ``[N, A, M]``.
+        """
+        alpha = self.alpha
+        transition = None if alpha.is_fixed else alpha.transition
+        return human_filter.predict(belief, alpha.values, self.perceived[state, action], transition)
+
+    def one_way(self) -> SharedAutonomy:
+        """The one-way model of Sec. 6.1: alpha fixed to 0 and equal rewards at all goals."""
+        best = max(goal.reward for goal in self.world.goals)
+        goals = tuple(replace(goal, reward=best) for goal in self.world.goals)
+        return replace(self, world=replace(self.world, goals=goals), adaptability=(0.0,))
+
+    def to_momdp(self) -> MOMDP:
+        """The planning problem: ``{X, Y, A_r, T_x, T_alpha, T_mh, R, Omega, O}``.
+
+        Its roots are the prior conditioned on each possible first input in the start state.
+        """
+        world, alpha = self.world, self.alpha
+        states, actions = world.moves.shape
+        count, modes = self.prior.shape
+        every_state = np.arange(states, dtype=np.int64)
+        ends = np.isin(every_state, world.goal_states)
+        targets, which = np.unique(self.perceived.reshape(-1, modes), axis=0, return_inverse=True)
+        going_on = np.repeat(~ends, actions)
+        inputs = np.moveaxis(self.input_likelihood, 2, 1)  # [X, M, A_h]
+        return MOMDP(
+            edge_start=np.concatenate(([0], np.cumsum(going_on))),
+            edge_next=world.moves.ravel()[going_on],
+            edge_map=which.ravel()[going_on],
+            transition=JumpTransition(
+                rate=np.repeat(alpha.values[:, None], modes, axis=1),
+                target=targets,
+                mixing=None if alpha.is_fixed else alpha.transition,
+            ),
+            observation=np.ascontiguousarray(np.tile(inputs, (1, count, 1))),
+            observation_index=np.tile(every_state, (actions, 1)),
+            reward=np.tile(self.reward, (1, 1, count)),
+            discount=self.discount,
+            roots=self._roots(),
+            observed_names=world.state_names,
+            hidden_names=tuple(
+                f"alpha={a:g} {mode}" for a in alpha.values for mode in self.mode_names
+            ),
+            action_names=world.action_names,
+            observation_names=world.action_names,
+        )
+
+    def _roots(self) -> tuple[Root, ...]:
+        roots: list[Root] = []
+        for human_input, name in enumerate(self.world.action_names):
+            likelihood = self.input_likelihood[self.world.start, human_input]
+            probability = float((self.prior * likelihood).sum())
+            if probability > 0:
+                belief = human_filter.correct(self.prior, likelihood).ravel()
+                roots.append(Root(self.world.start, belief, probability, name))
+        return tuple(roots)

@@ -1,0 +1,38 @@
+"""Random small models of shared autonomy."""
+
+from __future__ import annotations
+
+import numpy as np
+from hypothesis import strategies as st
+from tests.momdp.strategies import random_rows
+from tests.worlds.strategies import worlds
+
+from coadapt import SharedAutonomy
+from coadapt.human import Adaptability
+
+
+@st.composite
+def models(draw: st.DrawFn, *, states: int = 6, goals: int = 4) -> SharedAutonomy:
+    """Everything random: world, adaptability with prior and transition, policies, costs."""
+    world = draw(worlds(states=states, goals=goals))
+    levels = draw(st.integers(1, 3), label="levels of adaptability")
+    fixed = draw(st.booleans(), label="adaptability is fixed")
+    given_policies = draw(st.booleans(), label="policies are given")
+    zeros = draw(st.sampled_from((0.0, 0.5)), label="zeros")
+    rng = np.random.default_rng(draw(st.integers(0, 2**32), label="seed"))
+    modes = len(world.goals)
+    values = np.sort(rng.random(levels))
+    values[-1] = 1.0 if zeros else values[-1]
+    return SharedAutonomy(
+        world,
+        adaptability=Adaptability.over(
+            values.tolist(),
+            prior=random_rows(rng, (levels,), 0.0).tolist(),
+            transition=None if fixed else random_rows(rng, (levels, levels), zeros),
+        ),
+        mode_prior=random_rows(rng, (modes,), 0.0).tolist(),
+        disagreement_cost=-float(rng.random()),
+        discount=float(rng.uniform(0, 0.95)),
+        step_cost=float(rng.uniform(1.5, 5)),
+        policies=random_rows(rng, (modes, *world.moves.shape), zeros) if given_policies else None,
+    )
