@@ -1,0 +1,82 @@
+"""No adaptation: the robot goes to the optimal goal, deaf to inputs (Sec. 6.1)."""
+
+from __future__ import annotations
+
+import numpy as np
+
+from coadapt.arrays import FloatArray, IntArray
+from coadapt.formalism import SharedAutonomy
+from coadapt.robots.robot import Decision, Decisions, one_situation
+from coadapt.worlds.world import UNREACHABLE
+
+
+class NoAdaptation:
+    """Follows a shortest path to the goal with the largest reward.
+
+    Where several actions begin a shortest path it takes the one with the lowest index. It learns
+    nothing: its belief stays what it was at the start of the episode.
+
+    Args:
+        model: gives the world and its goals.
+
+    Raises:
+        ValueError: if the optimal goal cannot be reached from the start.
+    """
+
+    name = "no_adaptation"
+
+    def __init__(self, model: SharedAutonomy) -> None:
+        self.model = model
+        world = model.world
+        self._distance = world.distance(world.optimal_goal)
+        if self._distance[world.start] == UNREACHABLE:
+            goal = world.goals[world.optimal_goal].name
+            raise ValueError(f"the optimal goal, {goal}, cannot be reached from the start")
+        self.reset()
+
+    @property
+    def planning_model(self) -> SharedAutonomy:
+        """The model."""
+        return self.model
+
+    @property
+    def belief(self) -> FloatArray:
+        """``[A, M]`` the belief given at the start, by default the model's prior."""
+        return self._belief
+
+    def reset(self, belief: FloatArray | None = None) -> None:
+        """Begin an episode."""
+        self._belief = self.model.prior if belief is None else belief
+
+    def act(self, state: int, human_input: int | None) -> int:
+        """The next action of a shortest path from ``state``; the input is not looked at.
+
+        Raises:
+            ValueError: if state or input are out of range, or the state is a goal.
+        """
+        return self.decide(state, human_input).action
+
+    def decide(self, state: int, human_input: int | None) -> Decision:
+        """As `act`, with the whole decision."""
+        return self.decide_many(*one_situation(self.model, state, human_input, self._belief))[0]
+
+    def decide_many(
+        self, states: IntArray, human_inputs: IntArray, beliefs: FloatArray
+    ) -> Decisions:
+        """Decide in many situations at once, see `Robot.decide_many`."""
+        action = np.argmax(self._values(states), axis=-1)
+        perceived = self.model.perceived[states, action]
+        agreement = (beliefs.sum(axis=-2) * perceived).sum(axis=-1)
+        never = np.zeros(len(states), dtype=np.bool_)
+        return Decisions(states, human_inputs, action, action, agreement, never, beliefs, beliefs)
+
+    def action_values(self, decision: Decision) -> FloatArray:
+        """``[A_r]`` discounted reward of the optimal goal after each action."""
+        return self._values(decision.state)
+
+    def _values(self, states: int | IntArray) -> FloatArray:
+        world = self.model.world
+        steps = self._distance[world.moves[states]]
+        reward = world.goals[world.optimal_goal].reward
+        value = reward * self.model.discount ** (steps.astype(np.float64) + 1)
+        return np.where(steps == UNREACHABLE, -np.inf, value)

@@ -1,0 +1,174 @@
+"""What runs online: one protocol for the robots of all conditions."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from coadapt.arrays import BoolArray, FloatArray, IntArray
+from coadapt.formalism import SharedAutonomy
+
+NO_INPUT = -1
+"""Stands for "no input" in arrays of inputs."""
+
+
+@dataclass(frozen=True)
+class Decision:
+    """One decision and what led to it.
+
+    Attributes:
+        state: robot state in which it was taken.
+        human_input: the person's input before it, or None.
+        action: the action to execute.
+        planned: the action of the policy, before the match rule.
+        agreement: ``sum_m b(m) P(m_r = m | x, planned)``, the confidence that the modes of human
+            and robot are the same, in [0, 1].
+        matched: whether the match rule replaced the planned action by the input.
+        belief: ``[A, M]`` over adaptability and mode, all inputs so far considered.
+        forecast: ``[A, M]`` the same carried through the robot's action, before the next input.
+    """
+
+    state: int
+    human_input: int | None
+    action: int
+    planned: int
+    agreement: float
+    matched: bool
+    belief: FloatArray
+    forecast: FloatArray
+
+    @property
+    def adaptability_belief(self) -> FloatArray:
+        """``[A]`` marginal belief over adaptability."""
+        return self.belief.sum(axis=1)
+
+    @property
+    def mode_belief(self) -> FloatArray:
+        """``[M]`` marginal belief over the person's mode."""
+        return self.belief.sum(axis=0)
+
+
+@dataclass(frozen=True)
+class Decisions:
+    """Many decisions at once; each attribute is that of `Decision` with a leading axis ``[N]``.
+
+    ``human_input`` is `NO_INPUT` where there was none.
+    """
+
+    state: IntArray
+    human_input: IntArray
+    action: IntArray
+    planned: IntArray
+    agreement: FloatArray
+    matched: BoolArray
+    belief: FloatArray
+    forecast: FloatArray
+
+    def __len__(self) -> int:
+        return len(self.state)
+
+    def __getitem__(self, i: int) -> Decision:
+        human_input = int(self.human_input[i])
+        return Decision(
+            state=int(self.state[i]),
+            human_input=None if human_input == NO_INPUT else human_input,
+            action=int(self.action[i]),
+            planned=int(self.planned[i]),
+            agreement=float(self.agreement[i]),
+            matched=bool(self.matched[i]),
+            belief=self.belief[i],
+            forecast=self.forecast[i],
+        )
+
+
+class Robot(Protocol):
+    """A robot that decides from its state and the person's input, one step at a time.
+
+    All a robot remembers from step to step is its belief, so an episode can be continued
+    anywhere by ``reset(forecast)``.
+    """
+
+    @property
+    def name(self) -> str:
+        """Short identifier of the condition."""
+        ...
+
+    @property
+    def model(self) -> SharedAutonomy:
+        """World and people as they are in all conditions."""
+        ...
+
+    @property
+    def planning_model(self) -> SharedAutonomy:
+        """What the robot takes them for; its beliefs are over this model's alpha and modes."""
+        ...
+
+    @property
+    def belief(self) -> FloatArray:
+        """``[A, M]`` over adaptability and mode: behind the last decision, or at the start."""
+        ...
+
+    def reset(self, belief: FloatArray | None = None) -> None:
+        """Begin an episode from ``belief`` of shape ``[A, M]``; from the model's prior if None."""
+        ...
+
+    def act(self, state: int, human_input: int | None) -> int:
+        """Decide.
+
+        Args:
+            state: index of the robot state.
+            human_input: index of the person's input in this state, None where there was none.
+
+        Returns:
+            Index of the action to execute.
+
+        Raises:
+            ValueError: if state or input are out of range, or the state is a goal.
+        """
+        ...
+
+    def decide(self, state: int, human_input: int | None) -> Decision:
+        """As `act`, with the whole decision."""
+        ...
+
+    def decide_many(
+        self, states: IntArray, human_inputs: IntArray, beliefs: FloatArray
+    ) -> Decisions:
+        """Decide in ``N`` situations at once, each as `decide` would.
+
+        Args:
+            states: ``[N]`` robot states, none of them a goal.
+            human_inputs: ``[N]`` inputs, `NO_INPUT` where there was none.
+            beliefs: ``[N, A, M]`` the belief in each before the input.
+        """
+        ...
+
+    def action_values(self, decision: Decision) -> FloatArray:
+        """``[A_r]`` expected discounted reward of each action in the situation of ``decision``."""
+        ...
+
+
+def require_situation(model: SharedAutonomy, state: int, human_input: int | None) -> None:
+    """Raise ValueError unless a decision can be taken in ``state`` after ``human_input``."""
+    world = model.world
+    if not 0 <= state < world.states:
+        raise ValueError(f"state {state} is not one of 0 to {world.states - 1}")
+    if state in world.goal_states:
+        raise ValueError(f"the task has ended: {world.state_names[state]} is a goal")
+    if human_input is not None and not 0 <= human_input < world.actions:
+        raise ValueError(f"input {human_input} is not one of 0 to {world.actions - 1}")
+
+
+def one_situation(
+    model: SharedAutonomy, state: int, human_input: int | None, belief: FloatArray
+) -> tuple[IntArray, IntArray, FloatArray]:
+    """The arguments of `Robot.decide_many` for one situation.
+
+    Raises:
+        ValueError: if no decision can be taken there.
+    """
+    require_situation(model, state, human_input)
+    given = NO_INPUT if human_input is None else human_input
+    return np.array([state]), np.array([given]), belief[None]

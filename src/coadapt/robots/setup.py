@@ -1,0 +1,193 @@
+"""A robot written down: the few numbers from which it can be built again, the same to the bit.
+
+Planning is deterministic, so two robots built from equal setups by the same version of the package
+take the same decisions.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from itertools import pairwise
+from typing import Literal, get_args
+
+import msgspec
+
+from coadapt.errors import InputError
+from coadapt.formalism import SharedAutonomy
+from coadapt.formalism.shared_autonomy import PAPER_ADAPTABILITY
+from coadapt.robots.fixed import NoAdaptation
+from coadapt.robots.match import MatchRule
+from coadapt.robots.mutual import MutualAdaptation
+from coadapt.robots.one_way import OneWayAdaptation
+from coadapt.robots.robot import Robot
+from coadapt.worlds import table_clearing
+
+RobotName = Literal["mutual_adaptation", "one_way_adaptation", "no_adaptation"]
+"""The robots of Sec. 6.1, by their ``name``."""
+
+ROBOT_NAMES: tuple[RobotName, ...] = get_args(RobotName)
+
+Progress = Callable[[str], None]
+"""Called with a short sentence when a stage of the work begins."""
+
+LARGEST_GRID = 10_000
+"""Cells."""
+
+LARGEST_REWARD = 1e6
+
+LARGEST_STEP_COST = 1000.0
+"""Nats; long before this the modal policies are uniform over the shortest paths."""
+
+MOST_ADAPTABILITIES = 100
+
+
+class SetupError(InputError):
+    """A value of a setup is out of its range.
+
+    Attributes:
+        field: name of the value, as in `RobotSetup`.
+        problem: the rest of the sentence that begins with that name.
+    """
+
+    def __init__(self, field: str, problem: str) -> None:
+        super().__init__(f"{field} {problem}")
+        self.field = field
+        self.problem = problem
+
+
+class RobotSetup(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=True):
+    """What a robot for the table-clearing task is built from.
+
+    Attributes:
+        robot: which of the robots of Sec. 6.1.
+        columns: width of the grid in cells, at least 3.
+        rows: depth of the grid in cells, at least 1.
+        left_reward: reward of the left goal, in the paper's units.
+        right_reward: reward of the right goal, in the paper's units.
+        adaptability: the values of alpha that the robot considers, increasing, in [0, 1].
+        disagreement_cost: ``C`` of Eq. 8, at most 0.
+        discount: gamma, in [0, 1).
+        step_cost: ``c`` of the maximum-entropy modal policies, in nats.
+        match_threshold: agreement at which the input is executed, at least 0; above 1 it never is.
+        gap: the planner stops when its bounds are this close.
+
+    Raises:
+        SetupError: if a value is out of its range; names the value.
+    """
+
+    robot: RobotName = "mutual_adaptation"
+    columns: int = 13
+    rows: int = 4
+    left_reward: float = 10.0
+    right_reward: float = 11.0
+    adaptability: tuple[float, ...] = PAPER_ADAPTABILITY
+    disagreement_cost: float = -0.32
+    discount: float = 0.99
+    step_cost: float = 3.0
+    match_threshold: float = 0.9
+    gap: float = 1e-3
+
+    def __post_init__(self) -> None:
+        _require("robot", self.robot in ROBOT_NAMES, f"one of {', '.join(ROBOT_NAMES)}", self.robot)
+        _require("columns", self.columns >= 3, "at least 3", self.columns)
+        _require("rows", self.rows >= 1, "at least 1", self.rows)
+        cells = self.columns * self.rows
+        few = f"so few that there are at most {LARGEST_GRID:,} cells"
+        _require("columns", cells <= LARGEST_GRID, few, f"{cells:,}")
+        for field in ("left_reward", "right_reward"):
+            reward: float = getattr(self, field)
+            wanted = f"a number of size {LARGEST_REWARD:g} at most"
+            _require(field, abs(reward) <= LARGEST_REWARD, wanted, reward)
+        self._require_adaptability()
+        cost = self.disagreement_cost
+        _require("disagreement_cost", -LARGEST_REWARD <= cost <= 0, "a number of at most 0", cost)
+        _require("discount", 0 <= self.discount < 1, "at least 0 and below 1", self.discount)
+        cost = self.step_cost
+        _require("step_cost", 0 < cost <= LARGEST_STEP_COST, "above 0 and at most 1000", cost)
+        threshold = self.match_threshold
+        _require("match_threshold", 0 <= threshold < math.inf, "a number of at least 0", threshold)
+        _require("gap", 0 < self.gap < math.inf, "a number above 0", self.gap)
+
+    def _require_adaptability(self) -> None:
+        values = self.adaptability
+        _require(
+            "adaptability",
+            1 <= len(values) <= MOST_ADAPTABILITIES,
+            f"1 to {MOST_ADAPTABILITIES} values",
+            len(values),
+        )
+        shown = ",".join(f"{value:g}" for value in values)
+        inside = all(0 <= value <= 1 for value in values)
+        _require("adaptability", inside, "values from 0 to 1", shown)
+        increasing = all(a < b for a, b in pairwise(values))
+        _require("adaptability", increasing, "increasing values", shown)
+
+    def model(self) -> SharedAutonomy:
+        """World and people, the same for all three robots.
+
+        Raises:
+            SetupError: if the step cost is too small for the grid.
+        """
+        world = table_clearing(
+            self.columns,
+            self.rows,
+            left_reward=self.left_reward,
+            right_reward=self.right_reward,
+        )
+        model = SharedAutonomy(
+            world,
+            adaptability=self.adaptability,
+            disagreement_cost=self.disagreement_cost,
+            discount=self.discount,
+            step_cost=self.step_cost,
+        )
+        try:
+            _ = model.modal_policies
+        except ValueError as error:
+            raise SetupError("step_cost", f"cannot be used: {error}") from error
+        return model
+
+    def build(self, progress: Progress | None = None) -> Robot:
+        """The robot, its policy planned now.
+
+        Args:
+            progress: told what is being done. What it raises ends the planning.
+
+        Raises:
+            SetupError: as `model`.
+            KeyboardInterrupt: if planning was interrupted; there is no half-planned robot.
+        """
+        tell = _say_nothing if progress is None else progress
+        tell("Building the model")
+        model = self.model()
+        if self.robot == "no_adaptation":
+            return NoAdaptation(model)
+        one_way = self.robot == "one_way_adaptation"
+        problem = (model.one_way() if one_way else model).to_momdp()
+        tell("Preparing the planner")
+        # Imported now: whoever only reads or checks a setup need not wait for the compiler.
+        from coadapt.momdp.sarsop import SARSOP, Record, Status  # noqa: PLC0415
+
+        def tell_bounds(record: Record) -> None:
+            tell(
+                f"Planning: value between {record.lower:.3f} and {record.upper:.3f} "
+                f"after {record.backups:,} backups"
+            )
+
+        solution = SARSOP(gap=self.gap, callback=tell_bounds).solve(problem)
+        if solution.status is not Status.GAP:
+            # The policy so far is no function of the setup.
+            raise KeyboardInterrupt
+        rule = MatchRule(self.match_threshold)
+        robot = OneWayAdaptation if one_way else MutualAdaptation
+        return robot(model, solution.policy, rule)
+
+
+def _require(field: str, holds: bool, wanted: str, found: object) -> None:
+    if not holds:
+        raise SetupError(field, f"must be {wanted}, not {found}")
+
+
+def _say_nothing(_: str) -> None:
+    return

@@ -1,0 +1,169 @@
+"""Trials: their course, and the record that remains of each."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from coadapt.arrays import FloatArray, IntArray
+from coadapt.robots import NO_INPUT, Decision, Decisions, Robot
+from coadapt.robots.robot import require_situation
+
+UNKNOWN_MODE = -1
+"""Mode of a real person, who does not tell."""
+
+
+@dataclass(frozen=True)
+class Episode:
+    """Everything that happened in one trial, enough to replay it.
+
+    Attributes:
+        robot: name of the robot.
+        world: name of the world.
+        decisions: one a step, with the state, the input and the beliefs behind it.
+        modes: the partner's mode at each input, `UNKNOWN_MODE` where it is not known.
+        final_state: the state after the last action.
+        goal: index of the goal reached, or None.
+        reward: reward of that goal, in the paper's units; 0 without a goal.
+        disagreement: expected number of steps in which the person saw the robot in another mode
+            than their own, ``sum_t P(m_r != m_h^t | x^t, a_r^t)``; NaN where modes are unknown.
+    """
+
+    robot: str
+    world: str
+    decisions: tuple[Decision, ...]
+    modes: tuple[int, ...]
+    final_state: int
+    goal: int | None
+    reward: float
+    disagreement: float
+
+    @property
+    def steps(self) -> int:
+        """Number of robot actions."""
+        return len(self.decisions)
+
+    @property
+    def states(self) -> tuple[int, ...]:
+        """The robot states, from the first to the last: one more than there are steps."""
+        return (*(d.state for d in self.decisions), self.final_state)
+
+    @property
+    def inputs(self) -> tuple[int | None, ...]:
+        """The person's inputs."""
+        return tuple(d.human_input for d in self.decisions)
+
+    @property
+    def actions(self) -> tuple[int, ...]:
+        """The robot's actions."""
+        return tuple(d.action for d in self.decisions)
+
+    @property
+    def overridden(self) -> int:
+        """Number of steps in which the robot did something else than the person's input."""
+        return sum(d.human_input not in (None, d.action) for d in self.decisions)
+
+
+class Trials:
+    """Trials under way side by side: the one place where inputs, decisions and moves follow each
+    other.
+
+    Args:
+        robot: decides in all of them.
+        n: number of trials.
+        belief: ``[A, M]`` belief to begin with, for example carried over from the trial before;
+            the robot's prior if None.
+    """
+
+    def __init__(self, robot: Robot, n: int, belief: FloatArray | None = None) -> None:
+        robot.reset(belief)
+        self.robot = robot
+        self.state = np.full(n, robot.model.world.start)
+        self._belief = np.repeat(robot.belief[None], n, axis=0)
+        self._decisions: list[list[Decision]] = [[] for _ in range(n)]
+        self._modes: list[list[int]] = [[] for _ in range(n)]
+
+    @property
+    def running(self) -> IntArray:
+        """The trials that have not reached a goal."""
+        return np.flatnonzero(~np.isin(self.state, self.robot.model.world.goal_states))
+
+    def step(self, trials: IntArray, human_inputs: IntArray, modes: IntArray) -> Decisions:
+        """One time step in some of the trials: the input, the decision, the move of the world.
+
+        Args:
+            trials: ``[K]`` which trials, all of them running.
+            human_inputs: ``[K]`` the input in each, `NO_INPUT` where there was none.
+            modes: ``[K]`` the partner's mode behind it, `UNKNOWN_MODE` where it is not known.
+        """
+        decisions = self.robot.decide_many(self.state[trials], human_inputs, self._belief[trials])
+        for k, i in enumerate(map(int, trials)):
+            self._decisions[i].append(decisions[k])
+            self._modes[i].append(int(modes[k]))
+        self._belief[trials] = decisions.forecast
+        self.state[trials] = self.robot.model.world.moves[self.state[trials], decisions.action]
+        return decisions
+
+    def episode(self, i: int) -> Episode:
+        """The record of trial ``i`` up to here."""
+        model = self.robot.model
+        goal = model.world.goal_at(int(self.state[i]))
+        modes = self._modes[i]
+        seen = sum(
+            1.0 - float(model.perceived[d.state, d.action, mode])
+            for d, mode in zip(self._decisions[i], modes, strict=True)
+        )
+        return Episode(
+            robot=self.robot.name,
+            world=model.world.name,
+            decisions=tuple(self._decisions[i]),
+            modes=tuple(modes),
+            final_state=int(self.state[i]),
+            goal=goal,
+            reward=0.0 if goal is None else model.world.goals[goal].reward,
+            disagreement=float("nan") if UNKNOWN_MODE in modes else seen,
+        )
+
+
+class Trial:
+    """One trial, fed with inputs as they come: for replay and for programs with a real person.
+
+    Args:
+        robot, belief: as for `Trials`.
+    """
+
+    def __init__(self, robot: Robot, belief: FloatArray | None = None) -> None:
+        self._trials = Trials(robot, 1, belief)
+        self.robot = robot
+        self.steps = 0
+
+    @property
+    def state(self) -> int:
+        """The robot state."""
+        return int(self._trials.state[0])
+
+    @property
+    def done(self) -> bool:
+        """Whether a goal is reached."""
+        return self.state in self.robot.model.world.goal_states
+
+    def step(self, human_input: int | None, mode: int = UNKNOWN_MODE) -> Decision:
+        """One time step.
+
+        Args:
+            human_input: index of the input, or None.
+            mode: the partner's mode behind it, where known, for the record.
+
+        Raises:
+            ValueError: if the input is out of range or the trial is done.
+        """
+        require_situation(self.robot.model, self.state, human_input)
+        given = NO_INPUT if human_input is None else human_input
+        decisions = self._trials.step(np.array([0]), np.array([given]), np.array([mode]))
+        self.steps += 1
+        return decisions[0]
+
+    def episode(self) -> Episode:
+        """The record up to here."""
+        return self._trials.episode(0)

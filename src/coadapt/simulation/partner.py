@@ -1,0 +1,93 @@
+"""Simulated people."""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from coadapt.arrays import FloatArray
+from coadapt.formalism import SharedAutonomy
+
+
+class Partner(Protocol):
+    """Somebody who steers: a simulated person, or a program that stands in for a real one.
+
+    A partner is a description; what changes during an episode is its mode, which the episode
+    loop holds. `mode` is the index of the goal it is heading for.
+    """
+
+    def first_mode(self, model: SharedAutonomy, rng: np.random.Generator) -> int:
+        """The mode at the start of an episode."""
+        ...
+
+    def act(
+        self, model: SharedAutonomy, state: int, mode: int, rng: np.random.Generator
+    ) -> int | None:
+        """The input in robot state ``state``, or None for no input."""
+        ...
+
+    def next_mode(
+        self, model: SharedAutonomy, state: int, mode: int, action: int, rng: np.random.Generator
+    ) -> int:
+        """The mode after the robot took ``action`` in ``state``."""
+        ...
+
+
+@dataclass(frozen=True)
+class SimulatedPartner:
+    """A person who follows the adaptation model (Sec. 2.1 and 3).
+
+    Attributes:
+        adaptability: alpha, in [0, 1].
+        mode: index of the first mode; drawn from the model's prior if None.
+
+    Raises:
+        ValueError: if adaptability is outside [0, 1].
+    """
+
+    adaptability: float
+    mode: int | None = None
+
+    def __post_init__(self) -> None:
+        if not 0 <= self.adaptability <= 1:
+            raise ValueError(f"adaptability must lie in [0, 1], not {self.adaptability}")
+
+    def mode_distribution(self, model: SharedAutonomy) -> FloatArray:
+        """``[M]`` distribution of the first mode.
+
+        Raises:
+            ValueError: if the model has no such mode.
+        """
+        modes = len(model.world.goals)
+        if self.mode is None:
+            return model.prior.sum(axis=0)
+        if not 0 <= self.mode < modes:
+            raise ValueError(f"mode {self.mode} is not one of 0 to {modes - 1}")
+        return np.eye(modes)[self.mode]
+
+    def first_mode(self, model: SharedAutonomy, rng: np.random.Generator) -> int:
+        """The given mode, or a draw from the model's prior."""
+        return draw(self.mode_distribution(model), rng)
+
+    def act(self, model: SharedAutonomy, state: int, mode: int, rng: np.random.Generator) -> int:
+        """An input drawn from the human half of the modal policy."""
+        return draw(model.modal_policies[mode, state], rng)
+
+    def next_mode(
+        self, model: SharedAutonomy, state: int, mode: int, action: int, rng: np.random.Generator
+    ) -> int:
+        """Switch to the perceived robot mode with probability alpha (Eq. 3-4)."""
+        perceived = draw(model.perceived[state, action], rng)
+        return perceived if rng.random() < self.adaptability else mode
+
+
+def draw(distribution: FloatArray, rng: np.random.Generator) -> int:
+    """An index drawn from ``distribution``, by one uniform number."""
+    left = rng.random()
+    for i, probability in enumerate(distribution.tolist()):
+        left -= probability
+        if left < 0:
+            return i
+    return int(np.flatnonzero(distribution)[-1])

@@ -1,0 +1,98 @@
+"""Simulated episodes, reproducible from a seed whatever the number of processes."""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from concurrent.futures import Executor, ProcessPoolExecutor
+from multiprocessing import get_context
+
+import numpy as np
+
+from coadapt.robots import NO_INPUT, Robot
+from coadapt.simulation.episode import Episode, Trials
+from coadapt.simulation.partner import Partner
+
+MAX_STEPS = 1000
+"""An episode that reaches no goal ends here."""
+
+BATCHES_PER_PROCESS = 4
+
+
+def simulate(
+    robot: Robot,
+    partner: Partner,
+    n: int,
+    rng: np.random.Generator,
+    *,
+    max_steps: int = MAX_STEPS,
+    processes: int = 1,
+) -> list[Episode]:
+    """Run ``n`` episodes.
+
+    Every episode draws from a generator of its own, spawned from ``rng`` in order, so the result
+    depends on the seed alone and not on how the episodes are spread over processes.
+
+    Args:
+        robot: the robot; its belief starts from its prior in every episode.
+        partner: the simulated person.
+        n: number of episodes, at least 0.
+        rng: source of the episodes' generators.
+        max_steps: number of robot actions after which an episode is given up.
+        processes: number of worker processes; 1 runs in this one.
+
+    Raises:
+        ValueError: if ``n`` is negative or ``processes`` is not positive.
+    """
+    if n < 0:
+        raise ValueError(f"number of episodes must be at least 0, not {n}")
+    if processes < 1:
+        raise ValueError(f"number of processes must be at least 1, not {processes}")
+    generators = rng.spawn(n)
+    if processes == 1:
+        return _run(robot, partner, generators, max_steps)
+    # Workers are started afresh, the one way that behaves alike on all systems.
+    with ProcessPoolExecutor(processes, mp_context=get_context("spawn")) as executor:
+        return _spread(executor, robot, partner, generators, max_steps, processes)
+
+
+def _run(
+    robot: Robot, partner: Partner, generators: Sequence[np.random.Generator], max_steps: int
+) -> list[Episode]:
+    model = robot.model
+    trials = Trials(robot, len(generators))
+    modes = np.array([partner.first_mode(model, rng) for rng in generators], dtype=np.int64)
+    for _ in range(max_steps):
+        running = trials.running
+        if len(running) == 0:
+            break
+        states = trials.state[running]
+        inputs = np.array(
+            [
+                _as_number(partner.act(model, x, int(modes[i]), generators[i]))
+                for i, x in zip(map(int, running), map(int, states), strict=True)
+            ]
+        )
+        actions = trials.step(running, inputs, modes[running]).action
+        modes[running] = [
+            partner.next_mode(model, x, int(modes[i]), a, generators[i])
+            for i, x, a in zip(map(int, running), map(int, states), map(int, actions), strict=True)
+        ]
+    return [trials.episode(i) for i in range(len(generators))]
+
+
+def _as_number(human_input: int | None) -> int:
+    return NO_INPUT if human_input is None else human_input
+
+
+def _spread(
+    executor: Executor,
+    robot: Robot,
+    partner: Partner,
+    generators: Sequence[np.random.Generator],
+    max_steps: int,
+    processes: int,
+) -> list[Episode]:
+    size = max(1, -(-len(generators) // (processes * BATCHES_PER_PROCESS)))
+    batches = [generators[i : i + size] for i in range(0, len(generators), size)]
+    running = [executor.submit(_run, robot, partner, batch, max_steps) for batch in batches]
+    return [episode for future in running for episode in future.result()]
