@@ -6,9 +6,10 @@ import numpy as np
 
 from coadapt.arrays import FloatArray
 from coadapt.momdp.sarsop.bounds import add_point, add_vector, refresh_lower, refresh_upper
+from coadapt.momdp.sarsop.expand import expand_branch
 from coadapt.momdp.sarsop.jit import kernel
 from coadapt.momdp.sarsop.problem import Problem, pull
-from coadapt.momdp.sarsop.tree import BACKUPS, NONE, Tree, expand_branch
+from coadapt.momdp.sarsop.tree import BACKUPS, NONE, Tree
 
 GAIN = 1e-12
 """A bound moved when it moved by more than this part of its size."""
@@ -22,27 +23,31 @@ def backup_upper(p: Problem, tree: Tree, n: int, scratch: FloatArray) -> int:
     bound: the others' old bounds are bounds still.
     """
     actions = p.reward.shape[1]
-    r = tree.first_branch[n]
+    node = tree.nodes[n]
+    r = node["first_branch"]
     current = np.zeros(actions, dtype=np.bool_)
+    best = 0
     while True:
         best = 0
         for a in range(1, actions):
-            if tree.branch_upper[r + a] > tree.branch_upper[r + best]:
+            if tree.branches[r + a]["upper"] > tree.branches[r + best]["upper"]:
                 best = a
         if current[best]:
             break
-        if tree.first_child[r + best] == NONE:
-            expand_branch(p, tree, n, best)
-        total = tree.branch_reward[r + best]
-        first = tree.first_child[r + best]
-        for c in range(first, first + tree.child_count[r + best]):
-            upper = refresh_upper(tree, tree.child_node[c], scratch)
-            total += p.discount * tree.child_probability[c] * upper
-        tree.branch_upper[r + best] = min(tree.branch_upper[r + best], total)
         current[best] = True
-    leading = tree.branch_upper[r + best]
-    if leading < tree.upper[n] - GAIN * (1.0 + abs(leading)):
-        tree.upper[n] = leading
+        if tree.branches[r + best]["first_child"] == NONE:
+            expand_branch(p, tree, n, best)
+        branch = tree.branches[r + best]
+        total = branch["reward"]
+        first = branch["first_child"]
+        for c in range(first, first + branch["children"]):
+            child = tree.children[c]
+            upper = refresh_upper(tree, child["node"], scratch)
+            total += p.discount * child["probability"] * upper
+        branch["upper"] = min(branch["upper"], total)
+    leading = tree.branches[r + best]["upper"]
+    if leading < node["upper"] - GAIN * (1.0 + abs(leading)):
+        node["upper"] = leading
         add_point(tree, n)
     return best
 
@@ -51,33 +56,34 @@ def backup_upper(p: Problem, tree: Tree, n: int, scratch: FloatArray) -> int:
 def backup_lower(p: Problem, tree: Tree, n: int) -> None:
     """Add the alpha vector of the best action at opened node ``n``, if it raises the bound."""
     actions = p.reward.shape[1]
-    r = tree.first_branch[n]
+    node = tree.nodes[n]
+    r = node["first_branch"]
     refresh_lower(tree, n)
     best = NONE
-    best_value = tree.lower[n] + GAIN * (1.0 + abs(tree.lower[n]))
+    best_value = node["lower"] + GAIN * (1.0 + abs(node["lower"]))
     for a in range(actions):
-        if tree.branch_upper[r + a] <= best_value:
-            continue
-        if tree.first_child[r + a] == NONE:
-            expand_branch(p, tree, n, a)
-        value = q_lower(p, tree, r + a)
-        if value > best_value:
-            best = a
-            best_value = value
+        if tree.branches[r + a]["upper"] > best_value:
+            if tree.branches[r + a]["first_child"] == NONE:
+                expand_branch(p, tree, n, a)
+            value = q_lower(p, tree, r + a)
+            if value > best_value:
+                best = a
+                best_value = value
     if best != NONE:
-        v = add_vector(tree, tree.node_x[n], backed_up_vector(p, tree, n, best), best)
-        tree.vector[n] = v
+        add_vector(tree, node["x"], backed_up_vector(p, tree, n, best), best)
         refresh_lower(tree, n)
     tree.used[BACKUPS] += 1
 
 
 @kernel
-def q_lower(p: Problem, tree: Tree, branch: int) -> float:
-    """Lower bound of ``Q`` of an expanded branch, from the bounds of its children."""
-    total = tree.branch_reward[branch]
-    first = tree.first_child[branch]
-    for c in range(first, first + tree.child_count[branch]):
-        total += p.discount * tree.child_probability[c] * refresh_lower(tree, tree.child_node[c])
+def q_lower(p: Problem, tree: Tree, r: int) -> float:
+    """Lower bound of ``Q`` of expanded branch ``r``, from the bounds of its children."""
+    branch = tree.branches[r]
+    total = branch["reward"]
+    first = branch["first_child"]
+    for c in range(first, first + branch["children"]):
+        child = tree.children[c]
+        total += p.discount * child["probability"] * refresh_lower(tree, child["node"])
     return total
 
 
@@ -89,30 +95,36 @@ def backed_up_vector(p: Problem, tree: Tree, n: int, a: int) -> FloatArray:
     where ``alpha_o`` is the vector of the child reached by ``(x', o)``. Where the belief gives
     ``(x', o)`` no probability any vector of x' serves.
     """
-    x = tree.node_x[n]
+    node = tree.nodes[n]
+    x = node["x"]
     hidden = p.reward.shape[2]
     alpha = p.reward[x, a].copy()
     mixed = np.empty(hidden)
+    chosen = np.empty(p.observations, dtype=np.int64)
     row = x * p.reward.shape[1] + a
-    r = tree.first_branch[n] + a
-    c = tree.first_child[r]
-    last = c + tree.child_count[r]
+    branch = tree.branches[node["first_branch"] + a]
+    c = branch["first_child"]
+    last = c + branch["children"]
     for e in range(p.edge_start[row], p.edge_start[row + 1]):
         x_next = p.edge_next[e]
-        table = p.observation[p.observation_index[a, x_next]]
+        # Children stand in the order of the edges.
         stand_in = tree.newest_vector[x_next]
         likeliest = 0.0
-        for i in range(c, last):
-            if tree.child_edge[i] == e and tree.child_probability[i] > likeliest:
-                likeliest = tree.child_probability[i]
-                stand_in = tree.vector[tree.child_node[i]]
-        mixed[:] = 0.0
-        for o in range(table.shape[0]):
-            v = stand_in
-            if c < last and tree.child_edge[c] == e and tree.child_observation[c] == o:
-                v = tree.vector[tree.child_node[c]]
-                c += 1
-            for y in range(hidden):
-                mixed[y] += table[o, y] * tree.alpha[v, y]
+        first = c
+        while c < last and tree.children[c]["edge"] == e:
+            if tree.children[c]["probability"] > likeliest:
+                likeliest = tree.children[c]["probability"]
+                stand_in = tree.nodes[tree.children[c]["node"]]["vector"]
+            c += 1
+        chosen[:] = stand_in
+        for i in range(first, c):
+            child = tree.children[i]
+            chosen[child["observation"]] = tree.nodes[child["node"]]["vector"]
+        table = p.table[a, x_next] * hidden
+        for y in range(hidden):
+            total = 0.0
+            for j in range(p.seen_start[table + y], p.seen_start[table + y + 1]):
+                total += p.seen_chance[j] * tree.alpha[chosen[p.seen[j]], y]
+            mixed[y] = total
         pull(p, p.edge_map[e], p.discount, mixed, alpha)
     return alpha

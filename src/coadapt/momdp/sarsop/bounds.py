@@ -10,23 +10,22 @@ from coadapt.momdp.sarsop.tree import NONE, POINTS, VECTORS, Tree
 @kernel
 def refresh_lower(tree: Tree, n: int) -> float:
     """Raise the lower bound of node ``n`` by the alpha vectors it has not seen: max b . alpha."""
-    x = tree.node_x[n]
-    newest = tree.newest_vector[x]
-    seen = tree.vectors_seen[n]
-    if newest != seen:
-        first = tree.entry_start[n]
-        last = first + tree.entry_count[n]
-        v = newest
+    node = tree.nodes[n]
+    v = tree.newest_vector[node["x"]]
+    seen = node["vectors_seen"]
+    if v > seen:
+        node["vectors_seen"] = v
+        first = node["first_entry"]
+        last = first + node["entries"]
         while v > seen:
             total = 0.0
             for i in range(first, last):
                 total += tree.entry_mass[i] * tree.alpha[v, tree.entry_y[i]]
-            if total > tree.lower[n]:
-                tree.lower[n] = total
-                tree.vector[n] = v
-            v = tree.older_vector[v]
-        tree.vectors_seen[n] = newest
-    return tree.lower[n]
+            if total > node["lower"]:
+                node["lower"] = total
+                node["vector"] = v
+            v = tree.vectors[v]["older"]
+    return node["lower"]
 
 
 @kernel
@@ -36,37 +35,38 @@ def refresh_upper(tree: Tree, n: int, scratch: FloatArray) -> float:
     A point ``(b', v')`` bounds ``V(b) <= c(b) - (c(b') - v') min_{y: b'(y) > 0} b(y) / b'(y)``,
     where ``c`` interpolates the corners. ``scratch`` ``[Y]`` is zero before and after.
     """
-    x = tree.node_x[n]
-    newest = tree.newest_point[x]
-    seen = tree.points_seen[n]
-    if newest == seen:
-        return tree.upper[n]
-    first = tree.entry_start[n]
-    last = first + tree.entry_count[n]
+    node = tree.nodes[n]
+    i_point = tree.newest_point[node["x"]]
+    seen = node["points_seen"]
+    if i_point <= seen:
+        return node["upper"]
+    node["points_seen"] = i_point
+    first = node["first_entry"]
+    last = first + node["entries"]
     for i in range(first, last):
         scratch[tree.entry_y[i]] = tree.entry_mass[i]
-    corners = tree.corners[n]
-    i_point = newest
+    below = node["corners"] - node["upper"]
     while i_point > seen:
-        drop = tree.point_drop[i_point]
-        needed = (corners - tree.upper[n]) / drop  # smallest ratio that would improve the bound
-        if needed < 1.0:
-            m = tree.point_node[i_point]
-            start = tree.entry_start[m]
+        point = tree.points[i_point]
+        drop = point["drop"]
+        if drop > below:
+            other = tree.nodes[point["node"]]
+            start = other["first_entry"]
+            needed = below / drop  # smallest ratio that would improve the bound
             ratio = 1.0
-            for j in range(start, start + tree.entry_count[m]):
+            for j in range(start, start + other["entries"]):
                 mass = scratch[tree.entry_y[j]]
                 if mass <= needed * tree.entry_mass[j]:
                     ratio = needed
                     break
                 ratio = min(ratio, mass / tree.entry_mass[j])
             if ratio > needed:
-                tree.upper[n] = corners - drop * ratio
-        i_point = tree.older_point[i_point]
+                below = drop * ratio
+        i_point = point["older"]
+    node["upper"] = min(node["upper"], node["corners"] - below)
     for i in range(first, last):
         scratch[tree.entry_y[i]] = 0.0
-    tree.points_seen[n] = newest
-    return tree.upper[n]
+    return node["upper"]
 
 
 @kernel
@@ -78,39 +78,43 @@ def add_vector(tree: Tree, x: int, alpha: FloatArray, action: int) -> int:
     """
     v = tree.used[VECTORS]
     tree.used[VECTORS] += 1
-    tree.alpha[v] = alpha
-    tree.vector_x[v] = x
-    tree.action[v] = action
-    tree.replaced_by[v] = NONE
-    tree.older_vector[v] = tree.newest_vector[x]
+    for y in range(alpha.shape[0]):
+        tree.alpha[v, y] = alpha[y]
+    vector = tree.vectors[v]
+    vector["x"] = x
+    vector["action"] = action
+    vector["replaced_by"] = NONE
+    vector["older"] = tree.newest_vector[x]
     tree.newest_vector[x] = v
     previous = v
-    u = tree.older_vector[v]
+    u = vector["older"]
     while u != NONE:
         above = False
         for y in range(alpha.shape[0]):
             if tree.alpha[u, y] > alpha[y]:
                 above = True
                 break
+        older = tree.vectors[u]["older"]
         if above:
             previous = u
         else:
-            tree.replaced_by[u] = v
-            tree.older_vector[previous] = tree.older_vector[u]
-        u = tree.older_vector[u]
+            tree.vectors[u]["replaced_by"] = v
+            tree.vectors[previous]["older"] = older
+        u = older
     return v
 
 
 @kernel
 def add_point(tree: Tree, n: int) -> None:
     """Append the belief of node ``n`` with its upper bound as a point for others to use."""
-    drop = tree.corners[n] - tree.upper[n]
+    node = tree.nodes[n]
+    drop = node["corners"] - node["upper"]
     if drop <= 0.0:
         return
-    x = tree.node_x[n]
     i = tree.used[POINTS]
     tree.used[POINTS] += 1
-    tree.point_node[i] = n
-    tree.point_drop[i] = drop
-    tree.older_point[i] = tree.newest_point[x]
-    tree.newest_point[x] = i
+    point = tree.points[i]
+    point["node"] = n
+    point["drop"] = drop
+    point["older"] = tree.newest_point[node["x"]]
+    tree.newest_point[node["x"]] = i

@@ -15,19 +15,36 @@ import numpy as np
 
 from coadapt.arrays import FloatArray, IntArray
 from coadapt.momdp.sarsop.jit import kernel
-from coadapt.momdp.sarsop.problem import Problem, pull
+from coadapt.momdp.sarsop.problem import Problem, pull, row_of
 
 SETTLED = 1e-4
 """Sweeps end when no value moves by more than this part of the largest reward."""
 
 
 @kernel
+def extreme_value(p: Problem, sign: float) -> float:
+    """A number that no value exceeds (``sign`` 1), or that none falls below (``sign`` -1).
+
+    A reward that ends the episode is collected once, any other at most ``1 / (1 - gamma)`` times.
+    """
+    states, actions, hidden = p.reward.shape
+    most = -np.inf
+    for x in range(states):
+        for a in range(actions):
+            row = x * actions + a
+            ends = p.edge_start[row] == p.edge_start[row + 1]
+            for y in range(hidden):
+                value = sign * p.reward[x, a, y]
+                most = max(most, value if ends else value / (1.0 - p.discount))
+    return sign * most
+
+
+@kernel
 def mdp_values(p: Problem, tolerance: float, sweeps: int) -> FloatArray:
     """``[X, A, Y]`` upper bounds of ``Q`` with the hidden state known to the robot."""
     states, actions, hidden = p.reward.shape
-    largest = p.reward.max()
-    start = max(largest, largest / (1.0 - p.discount))
-    value = np.full((states, hidden), start)
+    value = np.empty((states, hidden))
+    value.fill(extreme_value(p, 1.0))
     q = np.empty((states, actions, hidden))
     for sweep in range(sweeps):
         change = 0.0
@@ -50,7 +67,8 @@ def mdp_values(p: Problem, tolerance: float, sweeps: int) -> FloatArray:
 @kernel
 def backed_up_value(p: Problem, x: int, a: int, value: FloatArray, out: FloatArray) -> None:
     """Write ``R(x, a, .) + gamma sum P(x', y' | x, ., a) value(x', y')`` to ``out`` ``[Y]``."""
-    out[:] = p.reward[x, a]
+    for y in range(out.shape[0]):
+        out[y] = p.reward[x, a, y]
     row = x * p.reward.shape[1] + a
     for e in range(p.edge_start[row], p.edge_start[row + 1]):
         pull(p, p.edge_map[e], p.discount, value[p.edge_next[e]], out)
@@ -60,49 +78,80 @@ def backed_up_value(p: Problem, x: int, a: int, value: FloatArray, out: FloatArr
 def fast_informed_bound(p: Problem, q: FloatArray, tolerance: float, sweeps: int) -> None:
     """Tighten ``q`` ``[X, A, Y]``, an upper bound such as `mdp_values`, in place."""
     states, actions, hidden = p.reward.shape
-    observations = p.observation.shape[1]
-    weighted = np.empty(hidden)
-    candidate = np.empty(hidden)
-    best = np.empty(hidden)
-    new = np.empty(hidden)
+    index = np.empty(hidden, dtype=np.int64)
+    chance = np.empty(hidden)
+    after = np.zeros((p.observations, actions))
+    touched = np.zeros(p.observations, dtype=np.int64)
     for sweep in range(sweeps):
         change = 0.0
         for i in range(states):
             x = i if sweep % 2 == 0 else states - 1 - i
             for a in range(actions):
-                new[:] = p.reward[x, a]
-                row = x * actions + a
-                for e in range(p.edge_start[row], p.edge_start[row + 1]):
-                    x_next = p.edge_next[e]
-                    table = p.observation[p.observation_index[a, x_next]]
-                    for o in range(observations):
-                        if not table[o].any():
-                            continue
-                        best[:] = -np.inf
-                        for a_next in range(actions):
-                            candidate[:] = 0.0
-                            for y in range(hidden):
-                                weighted[y] = table[o, y] * q[x_next, a_next, y]
-                            pull(p, p.edge_map[e], p.discount, weighted, candidate)
-                            for y in range(hidden):
-                                best[y] = max(best[y], candidate[y])
-                        for y in range(hidden):
-                            new[y] += best[y]
                 for y in range(hidden):
-                    if new[y] < q[x, a, y]:
-                        change = max(change, q[x, a, y] - new[y])
-                        q[x, a, y] = new[y]
+                    new = p.reward[x, a, y]
+                    row = x * actions + a
+                    for e in range(p.edge_start[row], p.edge_start[row + 1]):
+                        size = row_of(p, p.edge_map[e], y, index, chance)
+                        new += p.discount * informed_step(
+                            p, q, a, p.edge_next[e], index[:size], chance[:size], after, touched
+                        )
+                    if new < q[x, a, y]:
+                        change = max(change, q[x, a, y] - new)
+                        q[x, a, y] = new
         if change <= tolerance:
             break
+
+
+@kernel
+def informed_step(
+    p: Problem,
+    q: FloatArray,
+    a: int,
+    x: int,
+    index: IntArray,
+    chance: FloatArray,
+    after: FloatArray,
+    touched: IntArray,
+) -> float:
+    """``sum_o max_a' sum_y' chance(y') O(o | y') q(x, a', y')`` after action ``a`` led to ``x``.
+
+    ``after`` ``[O, A]`` is zero before and after; ``touched`` ``[O]`` is scratch.
+    """
+    actions, hidden = q.shape[1], q.shape[2]
+    count = 0
+    first = p.table[a, x] * hidden
+    for i in range(index.shape[0]):
+        y = index[i]
+        for j in range(p.seen_start[first + y], p.seen_start[first + y + 1]):
+            o = p.seen[j]
+            weight = chance[i] * p.seen_chance[j]
+            known = False
+            for t in range(count):
+                if touched[t] == o:
+                    known = True
+                    break
+            if not known:
+                touched[count] = o
+                count += 1
+            for a_next in range(actions):
+                after[o, a_next] += weight * q[x, a_next, y]
+    total = 0.0
+    for t in range(count):
+        o = touched[t]
+        best = after[o, 0]
+        for a_next in range(actions):
+            best = max(best, after[o, a_next])
+            after[o, a_next] = 0.0
+        total += best
+    return total
 
 
 @kernel
 def policy_values(p: Problem, policy: IntArray, tolerance: float, sweeps: int) -> FloatArray:
     """``[X, Y]`` lower bounds of the value of taking action ``policy[x]`` in each ``x``."""
     states, _, hidden = p.reward.shape
-    smallest = p.reward.min()
-    start = min(smallest, smallest / (1.0 - p.discount))
-    value = np.full((states, hidden), start)
+    value = np.empty((states, hidden))
+    value.fill(extreme_value(p, -1.0))
     new = np.empty(hidden)
     for sweep in range(sweeps):
         change = 0.0

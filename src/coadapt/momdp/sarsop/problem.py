@@ -5,6 +5,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 import numpy as np
+from scipy import sparse
 
 from coadapt.arrays import FloatArray, IntArray
 from coadapt.momdp.model import MOMDP
@@ -13,7 +14,7 @@ from coadapt.momdp.transition import JumpTransition
 
 
 class Problem(NamedTuple):
-    """What the kernels read. Sizes: X, A, Y, O, E edges, K maps, B blocks of M values."""
+    """What the kernels read. Sizes: X, A, Y, O, E edges, K maps, B blocks of M values, L tables."""
 
     edge_start: IntArray  # [X * A + 1]
     edge_next: IntArray  # [E]
@@ -25,10 +26,13 @@ class Problem(NamedTuple):
     rate: FloatArray  # [B, M]
     target: FloatArray  # [K, M]
     mixing: FloatArray  # [B, B], or [0, 0] for the identity
-    observation: FloatArray  # [L, O, Y]
-    observation_index: IntArray  # [A, X]
+    table: IntArray  # [A, X] observation table after action a in x'
+    seen_start: IntArray  # [L * Y + 1], rows of the observation tables
+    seen: IntArray  # [nnz] an observation possible in a row
+    seen_chance: FloatArray  # [nnz] its probability
     reward: FloatArray  # [X, A, Y]
     discount: float
+    observations: int  # O
 
 
 def as_arrays(problem: MOMDP) -> Problem:
@@ -36,6 +40,8 @@ def as_arrays(problem: MOMDP) -> Problem:
     maps = problem.transition
     jumps = isinstance(maps, JumpTransition)
     no_floats, no_ints = np.zeros(0), np.zeros(0, dtype=np.int64)
+    tables, hidden, observations = problem.observation.shape
+    rows = sparse.csr_array(problem.observation.reshape(tables * hidden, observations))
     return Problem(
         edge_start=problem.edge_start,
         edge_next=problem.edge_next,
@@ -47,26 +53,29 @@ def as_arrays(problem: MOMDP) -> Problem:
         rate=maps.rate if jumps else np.zeros((0, 0)),
         target=maps.target if jumps else np.zeros((0, 0)),
         mixing=maps.mixing if jumps and maps.mixing is not None else np.zeros((0, 0)),
-        observation=np.ascontiguousarray(problem.observation.transpose(0, 2, 1)),
-        observation_index=problem.observation_index,
+        table=problem.observation_index,
+        seen_start=rows.indptr.astype(np.int64),
+        seen=rows.indices.astype(np.int64),
+        seen_chance=rows.data.astype(np.float64),
         reward=problem.reward,
         discount=problem.discount,
+        observations=observations,
     )
 
 
 @kernel
-def push(p: Problem, k: int, index: IntArray, mass: FloatArray, size: int, out: FloatArray) -> None:
-    """Write ``mass @ J_k`` to ``out`` ``[Y]``; the mass is ``size`` pairs of index and value."""
+def push(p: Problem, k: int, index: IntArray, mass: FloatArray, out: FloatArray) -> None:
+    """Write ``mass @ J_k`` to ``out`` ``[Y]``; ``mass`` lies on the hidden states ``index``."""
     out[:] = 0.0
     hidden = out.shape[0]
     if not p.jumps:
-        for i in range(size):
+        for i in range(index.shape[0]):
             row = k * hidden + index[i]
             for j in range(p.row_start[row], p.row_start[row + 1]):
                 out[p.column[j]] += mass[i] * p.value[j]
         return
     blocks, modes = p.rate.shape
-    for i in range(size):
+    for i in range(index.shape[0]):
         y = index[i]
         b = y // modes
         stay = 1.0
@@ -112,3 +121,33 @@ def pull(p: Problem, k: int, scale: float, values: FloatArray, out: FloatArray) 
             jumped += jump * mixed[b * modes + m]
         for m in range(modes):
             out[b * modes + m] += scale * (max(stay, 0.0) * mixed[b * modes + m] + jumped)
+
+
+@kernel
+def row_of(p: Problem, k: int, y: int, index: IntArray, chance: FloatArray) -> int:
+    """Write row ``y`` of ``J_k`` as pairs of ``index`` and ``chance`` ``[Y]``; their number."""
+    hidden = p.reward.shape[2]
+    size = 0
+    if not p.jumps:
+        for j in range(p.row_start[k * hidden + y], p.row_start[k * hidden + y + 1]):
+            index[size] = p.column[j]
+            chance[size] = p.value[j]
+            size += 1
+        return size
+    blocks, modes = p.rate.shape
+    b = y // modes
+    stay = 1.0
+    for m in range(modes):
+        stay -= p.rate[b, m] * p.target[k, m]
+    mixes = p.mixing.shape[0] > 0
+    for b_next in range(blocks) if mixes else range(b, b + 1):
+        share = p.mixing[b, b_next] if mixes else 1.0
+        for m in range(modes):
+            total = p.rate[b, m] * p.target[k, m]
+            if m == y % modes:
+                total += max(stay, 0.0)
+            if share * total > 0.0:
+                index[size] = b_next * modes + m
+                chance[size] = share * total
+                size += 1
+    return size

@@ -15,30 +15,34 @@ def prune_vectors(tree: Tree) -> None:
     place = np.empty(count, dtype=np.int64)  # where the newest vector kept so far, up to v, goes
     used = 0
     for v in range(count):
-        if tree.replaced_by[v] == NONE:
+        if tree.vectors[v]["replaced_by"] == NONE:
             used += 1
         place[v] = used - 1
     for n in range(tree.used[NODES]):
-        v = tree.vector[n]
+        node = tree.nodes[n]
+        v = node["vector"]
         if v != NONE:
-            while tree.replaced_by[v] != NONE:
-                v = tree.replaced_by[v]
-            tree.vector[n] = place[v]
-        if tree.vectors_seen[n] != NONE:
-            tree.vectors_seen[n] = place[tree.vectors_seen[n]]
+            while tree.vectors[v]["replaced_by"] != NONE:
+                v = tree.vectors[v]["replaced_by"]
+            node["vector"] = place[v]
+        if node["vectors_seen"] != NONE:
+            node["vectors_seen"] = place[node["vectors_seen"]]
     for v in range(count):
-        if tree.replaced_by[v] == NONE:
+        if tree.vectors[v]["replaced_by"] == NONE:
             # A vector in a list points to another in it, so to one that stays.
-            older = tree.older_vector[v]
-            w = place[v]
-            tree.alpha[w] = tree.alpha[v]
-            tree.vector_x[w] = tree.vector_x[v]
-            tree.action[w] = tree.action[v]
-            tree.older_vector[w] = NONE if older == NONE else place[older]
+            old = tree.vectors[v]
+            new = tree.vectors[place[v]]
+            older = old["older"]
+            new["x"] = old["x"]
+            new["action"] = old["action"]
+            new["older"] = NONE if older == NONE else place[older]
+            for y in range(tree.alpha.shape[1]):
+                tree.alpha[place[v], y] = tree.alpha[v, y]
+    for v in range(used):
+        tree.vectors[v]["replaced_by"] = NONE
     for x in range(tree.newest_vector.shape[0]):
         if tree.newest_vector[x] != NONE:
             tree.newest_vector[x] = place[tree.newest_vector[x]]
-    tree.replaced_by[:used] = NONE
     tree.used[VECTORS] = used
 
 
@@ -46,23 +50,25 @@ def prune_vectors(tree: Tree) -> None:
 def prune_points(tree: Tree) -> None:
     """Keep for each node its latest point alone, in order."""
     count = tree.used[POINTS]
-    latest = np.full(tree.used[NODES], NONE)
+    latest = np.empty(tree.used[NODES], dtype=np.int64)
     for i in range(count):
-        latest[tree.point_node[i]] = i
+        latest[tree.points[i]["node"]] = i
     place = np.empty(count, dtype=np.int64)
     used = 0
-    tree.newest_point[:] = NONE
+    for x in range(tree.newest_point.shape[0]):
+        tree.newest_point[x] = NONE
     for i in range(count):
-        n = tree.point_node[i]
+        n = tree.points[i]["node"]
         if latest[n] == i:
-            x = tree.node_x[n]
-            tree.point_node[used] = n
-            tree.point_drop[used] = tree.point_drop[i]
-            tree.older_point[used] = tree.newest_point[x]
+            x = tree.nodes[n]["x"]
+            new = tree.points[used]
+            new["node"] = n
+            new["drop"] = tree.points[i]["drop"]
+            new["older"] = tree.newest_point[x]
             tree.newest_point[x] = used
             used += 1
         place[i] = used - 1
     for n in range(tree.used[NODES]):
-        if tree.points_seen[n] != NONE:
-            tree.points_seen[n] = place[tree.points_seen[n]]
+        if tree.nodes[n]["points_seen"] != NONE:
+            tree.nodes[n]["points_seen"] = place[tree.nodes[n]["points_seen"]]
     tree.used[POINTS] = used

@@ -16,16 +16,10 @@ import numpy as np
 from coadapt.arrays import FloatArray, IntArray
 from coadapt.momdp.sarsop.backup import backup_lower, backup_upper, q_lower
 from coadapt.momdp.sarsop.bounds import refresh_lower, refresh_upper
+from coadapt.momdp.sarsop.expand import open_node
 from coadapt.momdp.sarsop.jit import kernel
 from coadapt.momdp.sarsop.problem import Problem
-from coadapt.momdp.sarsop.tree import (
-    BACKUPS,
-    NONE,
-    TRIALS,
-    Tree,
-    has_room,
-    open_node,
-)
+from coadapt.momdp.sarsop.tree import BACKUPS, NONE, TRIALS, Tree, has_room
 
 # What `run_trials` ended for.
 CLOSED, WORKED, NO_ROOM = range(3)
@@ -58,16 +52,17 @@ def predicted_value(tree: Tree, bins: Bins, n: int) -> float:
     Counts the node in.
     """
     size = bins.total.shape[0]
-    first = tree.entry_start[n]
+    node = tree.nodes[n]
+    first = node["first_entry"]
     entropy = 0.0
-    for i in range(first, first + tree.entry_count[n]):
+    for i in range(first, first + node["entries"]):
         entropy -= tree.entry_mass[i] * np.log(tree.entry_mass[i])
     widest = np.log(tree.corner.shape[1] + 1.0)
     h = min(size - 1, int(size * entropy / widest))
-    u = max(0, min(size - 1, int((tree.corners[n] - bins.low) / bins.width)))
+    u = max(0, min(size - 1, int((node["corners"] - bins.low) / bins.width)))
     known = bins.number[u, h]
-    prediction = bins.total[u, h] / known if known > 0 else tree.upper[n]
-    bins.total[u, h] += tree.lower[n]
+    prediction = bins.total[u, h] / known if known > 0 else node["upper"]
+    bins.total[u, h] += node["lower"]
     bins.number[u, h] += 1
     return prediction
 
@@ -128,11 +123,11 @@ def descend(
         path[depth] = n
         if not has_room(tree, room):
             return -1
-        if tree.first_branch[n] == NONE:
+        if tree.nodes[n]["first_branch"] == NONE:
             open_node(p, tree, n)
         best = backup_upper(p, tree, n, scratch)
         lower = refresh_lower(tree, n)
-        upper = tree.upper[n]
+        upper = tree.nodes[n]["upper"]
         if depth == DEPTH_LIMIT or upper - lower <= 0.0 or p.discount == 0.0:
             return depth
         if (
@@ -141,30 +136,30 @@ def descend(
             and predicted_value(tree, bins, n) <= target_lower
         ):
             return depth
-        branch = tree.first_branch[n] + best
-        value = q_lower(p, tree, branch)
+        r = tree.nodes[n]["first_branch"] + best
+        value = q_lower(p, tree, r)
         target_lower = max(target_lower, value)
         target_upper = max(target_upper, value + allowed)
         allowed /= p.discount
         # The child whose excess gap weighs most.
-        first = tree.first_child[branch]
-        last = first + tree.child_count[branch]
+        branch = tree.branches[r]
+        first = branch["first_child"]
         chosen = NONE
         heaviest = 0.0
-        total_lower = total_upper = tree.branch_reward[branch]
-        for c in range(first, last):
-            m = tree.child_node[c]
-            total_lower += p.discount * tree.child_probability[c] * tree.lower[m]
-            total_upper += p.discount * tree.child_probability[c] * tree.upper[m]
-            excess = tree.child_probability[c] * (tree.upper[m] - tree.lower[m] - allowed)
+        total_lower = total_upper = branch["reward"]
+        for c in range(first, first + branch["children"]):
+            probability = tree.children[c]["probability"]
+            child = tree.nodes[tree.children[c]["node"]]
+            total_lower += p.discount * probability * child["lower"]
+            total_upper += p.discount * probability * child["upper"]
+            excess = probability * (child["upper"] - child["lower"] - allowed)
             if chosen == NONE or excess > heaviest:
                 chosen = c
                 heaviest = excess
         if chosen == NONE:
             return depth
-        m = tree.child_node[chosen]
-        weight = p.discount * tree.child_probability[chosen]
-        target_lower = (target_lower - total_lower) / weight + tree.lower[m]
-        target_upper = (target_upper - total_upper) / weight + tree.upper[m]
-        n = m
+        n = tree.children[chosen]["node"]
+        weight = p.discount * tree.children[chosen]["probability"]
+        target_lower = (target_lower - total_lower) / weight + tree.nodes[n]["lower"]
+        target_upper = (target_upper - total_upper) / weight + tree.nodes[n]["upper"]
         depth += 1

@@ -17,6 +17,7 @@ from coadapt.arrays import FloatArray, IntArray
 from coadapt.momdp.model import MOMDP
 from coadapt.momdp.policy import AlphaVectorPolicy
 from coadapt.momdp.sarsop.bounds import add_vector, refresh_lower, refresh_upper
+from coadapt.momdp.sarsop.expand import add_node
 from coadapt.momdp.sarsop.initial import (
     SETTLED,
     fast_informed_bound,
@@ -38,7 +39,6 @@ from coadapt.momdp.sarsop.tree import (
     POINTS,
     VECTORS,
     Tree,
-    add_node,
     grow,
     new_tree,
 )
@@ -241,7 +241,9 @@ class _Search:
             lower=float((self._weight * lower).sum()),
             upper=float((self._weight * upper).sum()),
             gap=float(np.max(upper - lower)),
-            vectors=int((self._tree.replaced_by[: self._tree.used[VECTORS]] == NONE).sum()),
+            vectors=int(
+                (self._tree.vectors["replaced_by"][: self._tree.used[VECTORS]] == NONE).sum()
+            ),
         )
 
     def solution(self, status: Status, trace: tuple[Record, ...], seconds: float) -> Solution:
@@ -286,7 +288,7 @@ class _Search:
         for root in self._problem.roots:
             support = np.flatnonzero(root.belief)
             mass = root.belief[support]
-            nodes.append(add_node(self._tree, root.x, support, mass, len(support)))
+            nodes.append(add_node(self._tree, root.x, support, mass))
         return np.array(nodes, dtype=np.int64)
 
     def _root_bounds(self) -> tuple[FloatArray, FloatArray]:
@@ -297,12 +299,12 @@ class _Search:
 
     def _policy(self) -> AlphaVectorPolicy:
         tree = self._tree
-        alive = np.flatnonzero(tree.replaced_by[: tree.used[VECTORS]] == NONE)
-        observed = tree.vector_x[alive]
+        alive = np.flatnonzero(tree.vectors["replaced_by"][: tree.used[VECTORS]] == NONE)
+        observed = tree.vectors["x"][alive]
         order = alive[np.argsort(observed, kind="stable")]
         counts = np.bincount(observed, minlength=len(tree.newest_vector))
         return AlphaVectorPolicy(
             start=np.concatenate(([0], np.cumsum(counts))),
             vectors=tree.alpha[order].copy(),
-            actions=tree.action[order].copy(),
+            actions=tree.vectors["action"][order],
         )
