@@ -26,6 +26,9 @@ CLOSED, WORKED, NO_ROOM = range(3)
 
 DEPTH_LIMIT = 2000
 
+HALF = 0.5
+"""A trial aims at this part of the gap it starts from."""
+
 
 class Bins(NamedTuple):
     """Predicts the value of a belief from beliefs alike: in upper bound and in entropy."""
@@ -92,7 +95,7 @@ def run_trials(
         if tree.used[BACKUPS] >= stop:
             return WORKED
         tree.used[TRIALS] += 1
-        depth = descend(p, tree, bins, root, gap, room, path, scratch)
+        depth = descend(p, tree, bins, root, max(gap, HALF * widest), room, path, scratch)
         if depth < 0:
             return NO_ROOM
         for i in range(depth, -1, -1):
