@@ -2,29 +2,37 @@
 
 from __future__ import annotations
 
+import numpy as np
+
 from coadapt.arrays import FloatArray
 from coadapt.momdp.sarsop.jit import kernel
-from coadapt.momdp.sarsop.tree import NONE, POINTS, VECTORS, Tree
+from coadapt.momdp.sarsop.tree import GROUPS, LANES, LISTED, NONE, POINTS, VECTORS, Tree
 
 
 @kernel
 def refresh_lower(tree: Tree, n: int) -> float:
     """Raise the lower bound of node ``n`` by the alpha vectors it has not seen: max b . alpha."""
     node = tree.nodes[n]
-    v = tree.newest_vector[node["x"]]
+    x = node["x"]
     seen = node["vectors_seen"]
-    if v > seen:
-        node["vectors_seen"] = v
+    if tree.newest_vector[x] > seen:
+        node["vectors_seen"] = tree.newest_vector[x]
         first = node["first_entry"]
         last = first + node["entries"]
-        while v > seen:
-            total = 0.0
+        totals = np.empty(LANES)
+        g = tree.newest_group[x]
+        while g != NONE and tree.groups[g]["newest"] > seen:
+            totals[:] = 0.0
             for i in range(first, last):
-                total += tree.entry_mass[i] * tree.alpha[v, tree.entry_y[i]]
-            if total > node["lower"]:
-                node["lower"] = total
-                node["vector"] = v
-            v = tree.vectors[v]["older"]
+                mass = tree.entry_mass[i]
+                y = tree.entry_y[i]
+                for k in range(LANES):
+                    totals[k] += mass * tree.lane_alpha[g, y, k]
+            for k in range(tree.groups[g]["filled"]):
+                if totals[k] > node["lower"]:
+                    node["lower"] = totals[k]
+                    node["vector"] = tree.lane_vector[g, k]
+            g = tree.groups[g]["older"]
     return node["lower"]
 
 
@@ -86,6 +94,8 @@ def add_vector(tree: Tree, x: int, alpha: FloatArray, action: int) -> int:
     vector["replaced_by"] = NONE
     vector["older"] = tree.newest_vector[x]
     tree.newest_vector[x] = v
+    add_lane(tree, x, v)
+    tree.used[LISTED] += 1
     previous = v
     u = vector["older"]
     while u != NONE:
@@ -98,10 +108,29 @@ def add_vector(tree: Tree, x: int, alpha: FloatArray, action: int) -> int:
         if above:
             previous = u
         else:
+            tree.used[LISTED] -= 1
             tree.vectors[u]["replaced_by"] = v
             tree.vectors[previous]["older"] = older
         u = older
     return v
+
+
+@kernel
+def add_lane(tree: Tree, x: int, v: int) -> None:
+    """Put alpha vector ``v`` into the newest group of observed state ``x``, or a new one."""
+    g = tree.newest_group[x]
+    if g == NONE or tree.groups[g]["filled"] == LANES:
+        g = tree.used[GROUPS]
+        tree.used[GROUPS] += 1
+        tree.groups[g]["filled"] = 0
+        tree.groups[g]["older"] = tree.newest_group[x]
+        tree.newest_group[x] = g
+    k = tree.groups[g]["filled"]
+    tree.groups[g]["filled"] += 1
+    tree.groups[g]["newest"] = v
+    tree.lane_vector[g, k] = v
+    for y in range(tree.alpha.shape[1]):
+        tree.lane_alpha[g, y, k] = tree.alpha[v, y]
 
 
 @kernel

@@ -7,18 +7,32 @@ Sums keep the order they are written in (no ``fastmath``), so results agree on e
 from __future__ import annotations
 
 from collections.abc import Callable
+from hashlib import sha256
+from pathlib import Path
 from typing import Any, TypeVar, cast
 
-import numba  # pyright: ignore[reportMissingTypeStubs]
+import numba
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 
+def _digest_of_kernels() -> str:
+    digest = sha256()
+    for source in sorted(Path(__file__).parent.glob("*.py")):
+        digest.update(source.read_bytes())
+    return digest.hexdigest()
+
+
+KERNELS = _digest_of_kernels()
+"""Stands for the source of all kernels together."""
+
+
 def kernel(function: Function) -> Function:
     """Compile ``function`` on first use and keep the result on disk."""
-    return cast(Function, numba.njit(cache=True)(function))  # pyright: ignore[reportUnknownMemberType]
-
-
-def is_compiling() -> bool:
-    """Whether kernels are compiled at all."""
-    return not bool(numba.config.DISABLE_JIT)  # pyright: ignore
+    compiled: Any = numba.njit(cache=True)(function)
+    # numba asks only whether the kernel's own file changed, but the compiled code holds the kernels
+    # it calls as well. So the stamp that it compares is made one of all kernels.
+    cache = getattr(getattr(compiled, "_cache", None), "_cache_file", None)
+    if cache is not None:
+        cache._source_stamp = KERNELS
+    return cast("Function", compiled)

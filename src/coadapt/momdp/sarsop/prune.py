@@ -4,8 +4,59 @@ from __future__ import annotations
 
 import numpy as np
 
+from coadapt.momdp.sarsop.bounds import add_lane
 from coadapt.momdp.sarsop.jit import kernel
-from coadapt.momdp.sarsop.tree import NODES, NONE, POINTS, VECTORS, Tree
+from coadapt.momdp.sarsop.tree import GROUPS, KEPT, LISTED, NODES, NONE, POINTS, VECTORS, Tree
+
+
+@kernel
+def retire_vectors(tree: Tree) -> None:
+    """Leave out of the look-up the alpha vectors at which no node has its bound.
+
+    They stay where they are, for nodes that hold them and for the policy.
+    """
+    count = tree.used[VECTORS]
+    wanted = np.zeros(count, dtype=np.bool_)
+    for n in range(tree.used[NODES]):
+        node = tree.nodes[n]
+        if node["vector"] != NONE:
+            v = node["vector"]
+            while tree.vectors[v]["replaced_by"] != NONE:
+                v = tree.vectors[v]["replaced_by"]
+            wanted[v] = True
+    kept = 0
+    for x in range(tree.newest_vector.shape[0]):
+        # The newest stays: nodes ask by it whether there is something new.
+        previous = tree.newest_vector[x]
+        if previous != NONE:
+            kept += 1
+            v = tree.vectors[previous]["older"]
+            while v != NONE:
+                if wanted[v]:
+                    tree.vectors[previous]["older"] = v
+                    previous = v
+                    kept += 1
+                v = tree.vectors[v]["older"]
+            tree.vectors[previous]["older"] = NONE
+    regroup(tree)
+    tree.used[LISTED] = tree.used[KEPT] = kept
+
+
+@kernel
+def regroup(tree: Tree) -> None:
+    """Fill the groups anew from the lists of alpha vectors, the oldest first."""
+    stack = np.empty(tree.used[VECTORS], dtype=np.int64)
+    tree.used[GROUPS] = 0
+    for x in range(tree.newest_vector.shape[0]):
+        tree.newest_group[x] = NONE
+        size = 0
+        v = tree.newest_vector[x]
+        while v != NONE:
+            stack[size] = v
+            size += 1
+            v = tree.vectors[v]["older"]
+        for i in range(size - 1, -1, -1):
+            add_lane(tree, x, stack[i])
 
 
 @kernel
@@ -44,6 +95,7 @@ def prune_vectors(tree: Tree) -> None:
         if tree.newest_vector[x] != NONE:
             tree.newest_vector[x] = place[tree.newest_vector[x]]
     tree.used[VECTORS] = used
+    regroup(tree)
 
 
 @kernel

@@ -19,12 +19,19 @@ from coadapt.momdp.sarsop.bounds import refresh_lower, refresh_upper
 from coadapt.momdp.sarsop.expand import open_node
 from coadapt.momdp.sarsop.jit import kernel
 from coadapt.momdp.sarsop.problem import Problem
-from coadapt.momdp.sarsop.tree import BACKUPS, NONE, TRIALS, Tree, has_room
+from coadapt.momdp.sarsop.prune import retire_vectors
+from coadapt.momdp.sarsop.tree import BACKUPS, KEPT, LISTED, NONE, TRIALS, Tree, has_room
 
 # What `run_trials` ended for.
 CLOSED, WORKED, NO_ROOM = range(3)
 
 DEPTH_LIMIT = 2000
+
+TOO_MANY = 2
+"""Unused alpha vectors retire when there are this many times as many as after the last time."""
+
+FEW = 64
+"""So few more are not worth the trouble."""
 
 HALF = 0.5
 """A trial aims at this part of the gap it starts from."""
@@ -94,6 +101,8 @@ def run_trials(
             return CLOSED
         if tree.used[BACKUPS] >= stop:
             return WORKED
+        if tree.used[LISTED] > TOO_MANY * tree.used[KEPT] + FEW:
+            retire_vectors(tree)
         tree.used[TRIALS] += 1
         depth = descend(p, tree, bins, root, max(gap, HALF * widest), room, path, scratch)
         if depth < 0:

@@ -33,7 +33,11 @@ from coadapt.momdp.sarsop.tree import (
     BACKUPS,
     BRANCHES,
     CHILDREN,
+    COUNTS,
     ENTRIES,
+    GROUPS,
+    KEPT,
+    LISTED,
     NODES,
     NONE,
     POINTS,
@@ -204,12 +208,12 @@ class _Search:
         self._arrays = as_arrays(problem)
         _, hidden, actions, observations = problem.shape
         fan = int(np.diff(problem.edge_start).max(initial=1)) * observations
-        self._room = np.zeros(8, dtype=np.int64)
+        self._room = np.zeros(COUNTS, dtype=np.int64)
         # The most that opening one node and backing it up may add.
         self._room[NODES] = self._room[CHILDREN] = actions * fan
         self._room[ENTRIES] = actions * fan * hidden
         self._room[BRANCHES] = actions
-        self._room[VECTORS] = self._room[POINTS] = 1
+        self._room[VECTORS] = self._room[GROUPS] = self._room[POINTS] = 1
         self._tree, self._bins = self._begin(self._arrays)
         self._roots = self._plant()
 
@@ -272,13 +276,14 @@ class _Search:
         tree = new_tree(p, q)
         states = p.reward.shape[0]
         room = np.zeros_like(self._room)
-        room[VECTORS] = states * len(policies)
+        room[VECTORS] = room[GROUPS] = states * len(policies)
         tree = grow(tree, room)
         for policy in policies:
             values = policy_values(p, policy, tolerance, SWEEPS)
             for x in range(states):
                 add_vector(tree, x, values[x], int(policy[x]))
         prune_vectors(tree)
+        tree.used[KEPT] = tree.used[LISTED]
         return tree, new_bins(float(tree.corner.min()), float(tree.corner.max()))
 
     def _plant(self) -> IntArray:

@@ -4,7 +4,9 @@ Everything lies in arrays of records that Python enlarges between kernel calls. 
 belief at an observed state, met once however it is reached. A node that was *opened* has one
 *branch* for each action, and a branch that was *expanded* has one *child* for each successor and
 observation. Alpha vectors and upper-bound points of one observed state form linked lists from the
-newest to the oldest, so that a node looks only at those that came since it last looked.
+newest to the oldest, so that a node looks only at those that came since it last looked. The vectors
+that nodes still use are held a second time in *groups* of a few side by side, hidden state by
+hidden state, which is the order that evaluates several at once.
 """
 
 from __future__ import annotations
@@ -24,7 +26,13 @@ NONE = -1
 """No node, branch, child, vector or point."""
 
 # Indices into `Tree.used`.
-NODES, ENTRIES, BRANCHES, CHILDREN, VECTORS, POINTS, BACKUPS, TRIALS = range(8)
+NODES, ENTRIES, BRANCHES, CHILDREN, VECTORS, GROUPS, POINTS = range(7)
+BACKUPS, TRIALS = 7, 8
+LISTED, KEPT = 9, 10  # alpha vectors in the lists now, and after the last time some retired
+COUNTS = 11
+
+LANES = 8
+"""Alpha vectors in a group."""
 
 NODE = np.dtype(
     [
@@ -69,6 +77,14 @@ VECTOR = np.dtype(
     ]
 )
 
+GROUP = np.dtype(
+    [
+        ("filled", np.int64),  # lanes in use
+        ("newest", np.int64),  # the vector in the last of them
+        ("older", np.int64),  # next in the list of its observed state
+    ]
+)
+
 POINT = np.dtype(
     [
         ("node", np.int64),
@@ -79,9 +95,10 @@ POINT = np.dtype(
 
 
 class Tree(NamedTuple):
-    """The arrays. Sizes: N nodes, S belief entries, R branches, C children, V vectors, P points."""
+    """The arrays. Sizes: N nodes, S belief entries, R branches, C children, V vectors, G groups,
+    P points."""
 
-    used: IntArray  # [8] how much of each array is in use
+    used: IntArray  # [COUNTS] how much of each array is in use
     nodes: Records  # [N]
     entry_y: IntArray  # [S] hidden state
     entry_mass: FloatArray  # [S] its probability
@@ -89,8 +106,12 @@ class Tree(NamedTuple):
     children: Records  # [C]
     vectors: Records  # [V]
     alpha: FloatArray  # [V, Y]
+    groups: Records  # [G]
+    lane_vector: IntArray  # [G, LANES] the alpha vector in each lane
+    lane_alpha: FloatArray  # [G, Y, LANES] its values
     points: Records  # [P]
     newest_vector: IntArray  # [X]
+    newest_group: IntArray  # [X]
     newest_point: IntArray  # [X]
     bucket: IntArray  # [H] first node of each hash bucket
     informed: FloatArray  # [X, A, Y] fast informed bound
@@ -103,11 +124,12 @@ GROWABLE = {
     BRANCHES: ("branches",),
     CHILDREN: ("children",),
     VECTORS: ("vectors", "alpha"),
+    GROUPS: ("groups", "lane_vector", "lane_alpha"),
     POINTS: ("points",),
 }
 """The arrays that grow together, by the index of their count."""
 
-SMALL = 1024
+SMALL = 256
 """Size that arrays start from."""
 
 BUCKETS = 1 << 18
@@ -117,7 +139,7 @@ def new_tree(p: Problem, informed: FloatArray) -> Tree:
     """An empty tree over ``informed`` ``[X, A, Y]``, the upper bound to start from."""
     states, _, hidden = p.reward.shape
     return Tree(
-        used=np.zeros(8, dtype=np.int64),
+        used=np.zeros(COUNTS, dtype=np.int64),
         nodes=np.zeros(SMALL, NODE),
         entry_y=np.zeros(SMALL, np.int64),
         entry_mass=np.zeros(SMALL),
@@ -125,8 +147,12 @@ def new_tree(p: Problem, informed: FloatArray) -> Tree:
         children=np.zeros(SMALL, CHILD),
         vectors=np.zeros(SMALL, VECTOR),
         alpha=np.zeros((SMALL, hidden)),
+        groups=np.zeros(SMALL, GROUP),
+        lane_vector=np.zeros((SMALL, LANES), np.int64),
+        lane_alpha=np.zeros((SMALL, hidden, LANES)),
         points=np.zeros(SMALL, POINT),
         newest_vector=np.full(states, np.int64(NONE)),
+        newest_group=np.full(states, np.int64(NONE)),
         newest_point=np.full(states, np.int64(NONE)),
         bucket=np.full(BUCKETS, np.int64(NONE)),
         informed=informed,
@@ -135,7 +161,7 @@ def new_tree(p: Problem, informed: FloatArray) -> Tree:
 
 
 def grow(tree: Tree, room: IntArray) -> Tree:
-    """The tree with every array enlarged that lacks ``room`` ``[8]`` more places."""
+    """The tree with every array enlarged that lacks ``room`` ``[COUNTS]`` more places."""
     larger: dict[str, FloatArray | IntArray | Records] = {}
     for kind, names in GROWABLE.items():
         for name in names:
@@ -150,7 +176,7 @@ def grow(tree: Tree, room: IntArray) -> Tree:
 
 @kernel
 def has_room(tree: Tree, room: IntArray) -> bool:
-    """Whether every array has ``room`` ``[8]`` more places."""
+    """Whether every array has ``room`` ``[COUNTS]`` more places."""
     used = tree.used
     return (
         used[NODES] + room[NODES] <= tree.nodes.shape[0]
@@ -158,5 +184,6 @@ def has_room(tree: Tree, room: IntArray) -> bool:
         and used[BRANCHES] + room[BRANCHES] <= tree.branches.shape[0]
         and used[CHILDREN] + room[CHILDREN] <= tree.children.shape[0]
         and used[VECTORS] + room[VECTORS] <= tree.vectors.shape[0]
+        and used[GROUPS] + room[GROUPS] <= tree.groups.shape[0]
         and used[POINTS] + room[POINTS] <= tree.points.shape[0]
     )
