@@ -128,6 +128,20 @@ def test_the_planner_and_the_filter_hold_the_same_belief(model: SharedAutonomy, 
             assert chance == pytest.approx((forecast * likelihood).sum(), abs=1e-12)
 
 
+@given(models(), st.integers(0, 2**32))
+def test_many_beliefs_at_once_are_those_one_by_one(model: SharedAutonomy, seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    world, n = model.world, 5
+    before = random_rows(rng, (n, model.prior.size), 0.3).reshape(n, *model.prior.shape)
+    states = rng.integers(world.states, size=n)
+    actions = rng.integers(world.actions, size=n)
+    corrected = model.correct(before, states, actions)
+    forecast = model.predict(before, states, actions)
+    for i, (x, a) in enumerate(zip(states.tolist(), actions.tolist(), strict=True)):
+        np.testing.assert_allclose(corrected[i], model.correct(before[i], x, a), atol=1e-15)
+        np.testing.assert_allclose(forecast[i], model.predict(before[i], x, a), atol=1e-15)
+
+
 @given(models())
 @pytest.mark.filterwarnings(f"ignore::{MOMDPWarning.__module__}.{MOMDPWarning.__name__}")
 def test_compiled_problems_pass_the_check(model: SharedAutonomy) -> None:

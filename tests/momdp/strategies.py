@@ -43,12 +43,18 @@ def sparse_momdps(
     *,
     sizes: int = 3,
     discounts: Sequence[float] = DISCOUNTS,
+    revealing: bool = False,
 ) -> MOMDP:
-    """Any transitions: x' and y' each depend on the other or not, some states end the task."""
-    x, y, a, o = (draw(st.integers(1, sizes), label=name) for name in ("X", "Y", "A", "O"))
-    x_by_y = draw(st.booleans(), label="x' depends on y")
+    """Any transitions: x' and y' each depend on the other or not, some states end the task.
+
+    With ``revealing`` x' tells much about y, so that many beliefs are certain of something.
+    """
+    least = 2 if revealing else 1
+    x, y = (draw(st.integers(least, sizes), label=name) for name in ("X", "Y"))
+    a, o = (draw(st.integers(1, sizes), label=name) for name in ("A", "O"))
+    x_by_y = revealing or draw(st.booleans(), label="x' depends on y")
     y_by_x = draw(st.booleans(), label="y' depends on x'")
-    zeros = draw(st.sampled_from((0.0, 0.5, 0.8)), label="zeros")
+    zeros = draw(st.sampled_from((0.5, 0.8) if revealing else (0.0, 0.5, 0.8)), label="zeros")
     terminal = draw(st.sets(st.integers(0, x - 1), max_size=x - 1), label="terminal")
     discount = draw(st.sampled_from(discounts), label="discount")
     rng = np.random.default_rng(draw(st.integers(0, 2**32), label="seed"))
@@ -69,12 +75,16 @@ def jump_momdps(
     *,
     sizes: int = 3,
     discounts: Sequence[float] = DISCOUNTS,
+    mixing: bool = False,
 ) -> MOMDP:
-    """x moves deterministically; y stays or jumps within its block; some actions end the task."""
+    """x moves deterministically; y stays or jumps within its block; some actions end the task.
+
+    With ``mixing`` there are always two blocks, and moves between them.
+    """
     x, a, o = (draw(st.integers(1, sizes), label=name) for name in ("X", "A", "O"))
-    blocks = draw(st.integers(1, 2), label="blocks")
+    blocks = draw(st.integers(2 if mixing else 1, 2), label="blocks")
     values = draw(st.integers(1, 3 if blocks == 1 else 2), label="values")
-    mixes = draw(st.booleans(), label="mixes")
+    mixes = mixing or draw(st.booleans(), label="mixes")
     zeros = draw(st.sampled_from((0.0, 0.5)), label="zeros")
     discount = draw(st.sampled_from(discounts), label="discount")
     rng = np.random.default_rng(draw(st.integers(0, 2**32), label="seed"))

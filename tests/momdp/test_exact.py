@@ -150,6 +150,17 @@ def test_an_end_ends_the_rewards() -> None:
     np.testing.assert_allclose(found.upper, found.lower, atol=1e-12)
 
 
+@pytest.mark.parametrize("discount", [0.0, 0.5, 0.9])
+def test_the_interval_is_as_wide_as_the_contraction_says(discount: float) -> None:
+    # Rewards are -100 to 10: U - L = 110 / (1 - gamma). Every step takes (1 - gamma) / 2 off.
+    solution = exact_value(tiger(discount), 0.1)
+    width = 110 / (1 - discount)
+    steps = int(np.ceil(np.log(0.1 / width) / np.log((1 + discount) / 2)))
+    assert solution.iterations == steps
+    assert solution.error == pytest.approx(width * ((1 + discount) / 2) ** steps)
+    assert solution.upper[0] - solution.lower[0] == pytest.approx(solution.error)
+
+
 def test_it_refuses_what_is_too_large() -> None:
     with pytest.raises(ValueError, match="more than 3 alpha vectors"):
         exact_value(tiger(), 1e-3, max_vectors=3)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -133,3 +134,9 @@ def test_repr_says_the_sizes() -> None:
     assert repr(tiger()) == (
         "MOMDP(1 observed x 2 hidden states, 3 actions, 2 observations, discount 0.95, 1 roots)"
     )
+
+
+def test_a_state_is_terminal_where_every_action_ends() -> None:
+    # Near ends the task by staying, far by both actions, the door by none.
+    problem = replace(corridor(), edge_start=np.array([0, 0, 1, 1, 1, 2, 4]))
+    assert problem.terminal.tolist() == [False, True, False]

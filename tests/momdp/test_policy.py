@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
@@ -32,6 +34,21 @@ def test_the_best_vector_decides() -> None:
 def test_on_a_tie_the_first_vector_decides() -> None:
     tied = AlphaVectorPolicy(np.array([0, 3]), np.ones((3, 2)), np.array([2, 0, 1]))
     assert tied.action(0, np.array([0.5, 0.5])) == 2
+
+
+@given(momdps(), st.integers(0, 2**32))
+def test_many_actions_are_those_one_by_one(problem: MOMDP, seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    policy = known_hidden_policy(problem)
+    # No two vectors share an action, so that a mix-up of states shows.
+    policy = replace(policy, actions=rng.permutation(len(policy.actions)))
+    some = beliefs(problem, rng)
+    some = [some[i] for i in rng.permutation(len(some))]
+    expected = [policy.action(x, b) for x, b in some]
+    states, stacked = np.array([x for x, _ in some]), np.array([b for _, b in some])
+    assert policy.actions_at(states, stacked).tolist() == expected
+    for x, b in some[:2]:
+        assert policy.actions_at(np.array([x]), b[None]).tolist() == [policy.action(x, b)]
 
 
 @given(momdps(), st.integers(0, 2**32))

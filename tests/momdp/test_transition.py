@@ -79,6 +79,15 @@ def test_a_jump_by_hand() -> None:
     np.testing.assert_allclose(moved, [0.1, 0.2, 0.7 * 0.25, 0.7 * 0.75], atol=1e-16)
 
 
+def test_row_sums_show_a_mixing_that_loses_mass() -> None:
+    transition = JumpTransition(
+        rate=np.ones((2, 2)),
+        target=np.array([[0.5, 0.5]]),
+        mixing=np.array([[0.5, 0.25], [0.0, 1.0]]),
+    )
+    np.testing.assert_array_equal(transition.row_sums(), [[0.75, 0.75, 1.0, 1.0]])
+
+
 @pytest.mark.parametrize("mass", [[1.0, 0.0, 0.0, 0.0], [0.0, 0.0, 0.0, 1.0]])
 def test_mixing_comes_after_the_jump(mass: list[float]) -> None:
     # Blocks swap. A mass that starts in a block jumps by that block's rate, not the other's.

@@ -16,11 +16,12 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from tests.momdp.problems import corridor, tiger
-from tests.momdp.strategies import beliefs, momdps
+from tests.momdp.strategies import beliefs, jump_momdps, momdps, sparse_momdps
 
 import coadapt as ca
 from coadapt.momdp import MOMDP, action_values, belief
 from coadapt.momdp.exact import evaluate_policy, exact_value
+from coadapt.momdp.files import read_pomdp
 from coadapt.momdp.sarsop import SARSOP, Record, Solution, Status
 from coadapt.momdp.sarsop.sample import DEPTH_LIMIT
 
@@ -48,6 +49,14 @@ def test_the_bounds_hold_the_optimal_value(problem: MOMDP, gap: float) -> None:
         assert solution.status is Status.BACKUPS
 
 
+@given(jump_momdps(mixing=True, discounts=(0.7,)))
+def test_the_bounds_hold_where_blocks_mix(problem: MOMDP) -> None:
+    solution = SARSOP(gap=1e-3, max_backups=2000).solve(problem)
+    exact = exact_value(problem, 1e-3)
+    assert np.all(solution.root_lower <= exact.upper + ROUNDING)
+    assert np.all(solution.root_upper >= exact.lower - ROUNDING)
+
+
 @given(momdps())
 @settings(max_examples=20)
 def test_small_problems_are_solved(problem: MOMDP) -> None:
@@ -56,7 +65,12 @@ def test_small_problems_are_solved(problem: MOMDP) -> None:
     assert solution.gap <= 0.05 + ROUNDING
 
 
-@given(momdps(), st.sampled_from((0, 5, 500)), st.integers(0, 2**32))
+@given(
+    momdps() | sparse_momdps(revealing=True, discounts=(0.7,)),
+    st.sampled_from((0, 5, 500)),
+    st.integers(0, 2**32),
+)
+@settings(max_examples=100)
 def test_following_the_policy_earns_the_lower_bound(
     problem: MOMDP, backups: int, seed: int
 ) -> None:
@@ -93,6 +107,19 @@ def test_tiger() -> None:
         assert solution.policy.action(0, b) == 0 or b.max() > 0.95
         b, _ = belief.update(tiger(), 0, b, 0, 0, 0)
     assert solution.policy.action(0, b) == 2  # growls from the left: open the right door
+
+
+@pytest.mark.parametrize("name", ["1d", "hanks.95", "mcc-example1", "tiger.aaai"])
+def test_published_problems(shared: Path, name: str) -> None:
+    # Problems of Cassandra's collection with few hidden states.
+    problem = read_pomdp(shared / "problems" / f"{name}.pomdp")
+    solution = SARSOP(gap=1e-3).solve(problem)
+    exact = exact_value(problem, 1e-2)
+    assert solution.status is Status.GAP
+    assert np.all(solution.root_lower <= exact.upper + ROUNDING)
+    assert np.all(solution.root_upper >= exact.lower - ROUNDING)
+    found = evaluate_policy(problem, solution.policy, 1e-4, max_beliefs=2000)
+    assert np.all(found.upper >= solution.root_lower - ROUNDING)
 
 
 def test_an_end_is_worth_its_last_reward() -> None:

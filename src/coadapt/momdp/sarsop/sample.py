@@ -20,15 +20,29 @@ from coadapt.momdp.sarsop.expand import open_node
 from coadapt.momdp.sarsop.jit import kernel
 from coadapt.momdp.sarsop.problem import Problem
 from coadapt.momdp.sarsop.prune import retire_vectors
-from coadapt.momdp.sarsop.tree import BACKUPS, KEPT, LISTED, NONE, TRIALS, Tree, has_room
+from coadapt.momdp.sarsop.tree import (
+    BACKUPS,
+    CHILDREN,
+    KEPT,
+    LISTED,
+    NONE,
+    POINTS,
+    TRIALS,
+    VECTORS,
+    Tree,
+    has_room,
+)
 
 # What `run_trials` ended for.
-CLOSED, WORKED, NO_ROOM = range(3)
+CLOSED, WORKED, NO_ROOM, STALLED = range(4)
 
 DEPTH_LIMIT = 2000
 
 TOO_MANY = 2
 """Unused alpha vectors retire when there are this many times as many as after the last time."""
+
+PATIENCE = 100
+"""So many trials in a row that change nothing mean that the bounds have met their precision."""
 
 FEW = 64
 """So few more are not worth the trouble."""
@@ -84,12 +98,15 @@ def run_trials(
     """Run trials until every root's gap is at most ``gap`` or ``backups`` more are done.
 
     Returns:
-        `CLOSED`, `WORKED`, or `NO_ROOM` where a trial was broken off for want of ``room``.
+        `CLOSED`, `WORKED`, `STALLED` where the bounds no longer move, or `NO_ROOM` where a trial
+        was broken off for want of ``room``.
     """
     scratch = np.zeros(p.reward.shape[2])
     path = np.empty(DEPTH_LIMIT + 1, dtype=np.int64)
     stop = tree.used[BACKUPS] + backups
+    idle = 0
     while True:
+        before = tree.used[VECTORS] + tree.used[POINTS] + tree.used[CHILDREN]
         widest = -1.0
         root = roots[0]
         for n in roots:
@@ -112,6 +129,12 @@ def run_trials(
                 return NO_ROOM
             backup_upper(p, tree, path[i], scratch)
             backup_lower(p, tree, path[i])
+        if tree.used[VECTORS] + tree.used[POINTS] + tree.used[CHILDREN] > before:
+            idle = 0
+        else:
+            idle += 1
+            if idle == PATIENCE:
+                return STALLED
 
 
 @kernel

@@ -28,7 +28,7 @@ from coadapt.momdp.sarsop.initial import (
 from coadapt.momdp.sarsop.problem import Problem, as_arrays
 from coadapt.momdp.sarsop.progress import ProgressLine
 from coadapt.momdp.sarsop.prune import prune_points, prune_vectors
-from coadapt.momdp.sarsop.sample import CLOSED, NO_ROOM, Bins, new_bins, run_trials
+from coadapt.momdp.sarsop.sample import CLOSED, NO_ROOM, STALLED, Bins, new_bins, run_trials
 from coadapt.momdp.sarsop.tree import (
     BACKUPS,
     BRANCHES,
@@ -58,12 +58,19 @@ CALL_SECONDS = 0.1
 
 
 class Status(Enum):
-    """Why the solver stopped."""
+    """Why the solver stopped: the gap is closed, or else what ended the search before that.
+
+    ``PRECISION`` means that the bounds no longer move in floating-point numbers.
+    """
 
     GAP = "gap"
+    PRECISION = "precision"
     BACKUPS = "backups"
     TIME = "time"
     INTERRUPTED = "interrupted"
+
+
+ENDS = {CLOSED: Status.GAP, STALLED: Status.PRECISION}
 
 
 @dataclass(frozen=True)
@@ -193,8 +200,9 @@ class SARSOP:
             if last is not None:
                 ahead = min(ahead, last - done)
             before = perf_counter()
-            if search.run(self.gap, ahead):
-                return Status.GAP
+            ended = search.run(self.gap, ahead)
+            if ended is not None:
+                return ended
             spent = perf_counter() - before
             call = int(np.clip(call * CALL_SECONDS / max(spent, 1e-6), call / 2, call * 2)) + 1
 
@@ -221,8 +229,8 @@ class _Search:
     def backups(self) -> int:
         return int(self._tree.used[BACKUPS])
 
-    def run(self, gap: float, backups: int) -> bool:
-        """Do about ``backups`` backups; whether the gap at every root is closed."""
+    def run(self, gap: float, backups: int) -> Status | None:
+        """Do about ``backups`` backups; why there is no point in going on, or None."""
         stop = self.backups + backups
         while True:
             ahead = max(stop - self.backups, 0)
@@ -230,7 +238,7 @@ class _Search:
                 self._arrays, self._tree, self._bins, self._roots, gap, ahead, self._room
             )
             if state != NO_ROOM:
-                return state == CLOSED
+                return ENDS.get(state)
             prune_vectors(self._tree)
             prune_points(self._tree)
             # Ask for ample room, or pruning would be due again at once.

@@ -1,0 +1,115 @@
+"""The command line. Each command lives in a module of its own, imported only when it is used."""
+
+from __future__ import annotations
+
+import os
+import sys
+from collections.abc import Sequence
+from importlib import import_module
+from io import TextIOWrapper
+
+import click
+
+from coadapt import __version__
+from coadapt.errors import InputError, printable
+
+COMMANDS = {
+    "play": "Steer the robot with the arrow keys, in this terminal.",
+    "replay": "Run a recorded log of human inputs through a robot.",
+    "reproduce": "Write the report of the published results.",
+}
+"""Every command with its one-line summary; ``coadapt.cli.NAME`` holds it as ``command``."""
+
+INPUT_ERROR = 2
+INTERRUPTED = 128 + 2  # as if ended by SIGINT
+BROKEN_PIPE = 128 + 13  # as if ended by SIGPIPE
+
+
+class LazyGroup(click.Group):
+    """A group that knows its commands by name and imports one when it is used."""
+
+    def list_commands(self, ctx: click.Context) -> list[str]:
+        """The names of all commands."""
+        return sorted(COMMANDS)
+
+    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
+        """The command ``cmd_name``, imported now; None if there is none."""
+        if cmd_name not in COMMANDS:
+            return None
+        command: click.Command = import_module(f"coadapt.cli.{cmd_name}").command
+        return command
+
+    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
+        """List the commands by their summaries, without importing them."""
+        with formatter.section("Commands"):
+            formatter.write_dl(sorted(COMMANDS.items()))
+
+
+@click.group(
+    cls=LazyGroup,
+    invoke_without_command=True,
+    context_settings={"help_option_names": ["-h", "--help"]},
+)
+@click.version_option(__version__, message="coadapt %(version)s")
+@click.pass_context
+def program(ctx: click.Context) -> None:
+    """Human-robot mutual adaptation in shared autonomy."""
+    if ctx.invoked_subcommand is None:
+        click.echo(ctx.get_help())
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run the command line.
+
+    Args:
+        arguments: what follows the program's name; by default this process's arguments.
+
+    Returns:
+        The exit code: 0, or 1 if what was asked for is not so, 2 after an error in what the user
+        gave, 130 after an interrupt.
+    """
+    for stream in (sys.stdout, sys.stderr):
+        if isinstance(stream, TextIOWrapper):
+            # What the terminal cannot show must not end the program.
+            stream.reconfigure(errors="backslashreplace")
+    try:
+        code = _run(sys.argv[1:] if arguments is None else list(arguments))
+        sys.stdout.flush()
+    except click.ClickException as error:
+        return _refuse(_in_one_line(error))
+    except InputError as error:
+        return _refuse(str(error))
+    except (click.Abort, KeyboardInterrupt):
+        return INTERRUPTED
+    except BrokenPipeError:
+        # The reader has gone. What is still buffered must not fail again at exit.
+        os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
+        return BROKEN_PIPE
+    except OSError as error:
+        place = "" if error.filename is None else f"{error.filename}: "
+        return _refuse(f"{place}{error.strerror or error}")
+    return code
+
+
+def _run(arguments: list[str]) -> int:
+    if "_COADAPT_COMPLETE" in os.environ:  # the shell asks for completions
+        program.main(arguments, prog_name="coadapt")
+    # Not `program.main`: it has its own ideas of exit codes after an interrupt or a broken pipe.
+    try:
+        with program.make_context("coadapt", arguments) as context:
+            code: object = program.invoke(context)
+    except click.exceptions.Exit as end:
+        return end.exit_code
+    return code if isinstance(code, int) else 0
+
+
+def _in_one_line(error: click.ClickException) -> str:
+    message = " ".join(error.format_message().split())
+    if isinstance(error, click.UsageError) and error.ctx is not None:
+        return f"{message.removesuffix('.')}; see {error.ctx.command_path} --help"
+    return message
+
+
+def _refuse(message: str) -> int:
+    click.echo(f"coadapt: error: {printable(message)}", err=True)
+    return INPUT_ERROR

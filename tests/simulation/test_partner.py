@@ -1,0 +1,110 @@
+"""Simulated people do what the adaptation model says."""
+
+from __future__ import annotations
+
+from typing import Any
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from tests.formalism.strategies import models
+from tests.momdp.strategies import random_rows
+from tests.robots.worlds import DOWN, HIGH, LOW, MODEL, UP, B, C
+
+from coadapt import SharedAutonomy, SimulatedPartner
+from coadapt.human import mode_transition
+from coadapt.simulation.partner import draw
+
+DRAWS = 2000
+
+
+def expect_frequencies(found: list[int], distribution: Any) -> None:
+    """Within 5 standard errors in every place; exactly where the probability is 0 or 1."""
+    chance = np.asarray(distribution)
+    share = np.bincount(found, minlength=len(chance)) / len(found)
+    error = np.sqrt(chance * (1 - chance) / len(found))
+    assert np.all(np.abs(share - chance) <= 5 * error + 1e-12), (share, chance)
+
+
+class Scripted:
+    """A source of the given uniform numbers."""
+
+    def __init__(self, *numbers: float) -> None:
+        self.numbers = list(numbers)
+
+    def random(self) -> float:
+        return self.numbers.pop(0)
+
+
+@pytest.mark.parametrize(
+    ("number", "expected"),
+    [(0.0, 1), (0.24, 1), (0.26, 2), (0.99, 2), (np.nextafter(1.0, 0.0), 2)],
+)
+def test_draws_by_one_number(number: float, expected: int) -> None:
+    # Never the first or the last, which have probability 0, not even for the largest number.
+    source: Any = Scripted(number)
+    assert draw(np.array([0.0, 0.25, 0.75, 0.0]), source) == expected
+    # Rounding leaves 1 - 1e-16 here; what is left over goes to the last possible index.
+    source = Scripted(np.nextafter(1.0, 0.0))
+    assert draw(np.array([0.1] * 10 + [0.0]), source) == 9
+
+
+@given(st.integers(1, 5), st.integers(0, 2**32))
+@settings(max_examples=10)
+def test_draws_have_the_distribution(count: int, seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    chance = random_rows(rng, (count,), 0.4)
+    expect_frequencies([draw(chance, rng) for _ in range(DRAWS)], chance)
+
+
+@given(models(), st.floats(0, 1), st.integers(0, 2**32))
+@settings(max_examples=10)
+def test_inputs_and_modes_have_the_distributions_of_the_model(
+    model: SharedAutonomy, alpha: float, seed: int
+) -> None:
+    rng = np.random.default_rng(seed)
+    partner = SimulatedPartner(alpha)
+    world, modes = model.world, len(model.world.goals)
+    state, action = int(rng.integers(world.states)), int(rng.integers(world.actions))
+    mode = int(rng.integers(modes))
+    assert model.mode_prior is not None
+    first = [partner.first_mode(model, rng) for _ in range(DRAWS)]
+    expect_frequencies(first, model.mode_prior)
+    inputs = [partner.act(model, state, mode, rng) for _ in range(DRAWS)]
+    expect_frequencies(inputs, model.modal_policies[mode, state])
+    # Eq. 3-4, tested by itself in tests/human/test_adaptation.py.
+    moves = mode_transition(alpha, model.perceived[state, action])[mode]
+    found = [partner.next_mode(model, state, mode, action, rng) for _ in range(DRAWS)]
+    expect_frequencies(found, moves)
+
+
+def test_the_first_mode_may_be_given() -> None:
+    rng = np.random.default_rng(0)
+    for mode in (LOW, HIGH):
+        partner = SimulatedPartner(0.5, mode)
+        np.testing.assert_array_equal(partner.mode_distribution(MODEL), np.eye(2)[mode])
+        assert {partner.first_mode(MODEL, rng) for _ in range(20)} == {mode}
+    np.testing.assert_allclose(SimulatedPartner(0.5).mode_distribution(MODEL), [0.5, 0.5])
+
+
+def test_the_stubborn_stay_and_the_adaptable_follow() -> None:
+    rng = np.random.default_rng(0)
+    assert {SimulatedPartner(0.0).next_mode(MODEL, B, LOW, UP, rng) for _ in range(50)} == {LOW}
+    # Up in c is seen as high with 6/7, whatever the mode was.
+    found = [SimulatedPartner(1.0).next_mode(MODEL, C, LOW, UP, rng) for _ in range(DRAWS)]
+    expect_frequencies(found, [1 / 7, 6 / 7])
+    found = [SimulatedPartner(1.0).next_mode(MODEL, C, LOW, DOWN, rng) for _ in range(DRAWS)]
+    expect_frequencies(found, [9 / 13, 4 / 13])
+
+
+@pytest.mark.parametrize("alpha", [-0.1, 1.1, float("nan")])
+def test_bad_adaptability_is_refused(alpha: float) -> None:
+    with pytest.raises(ValueError, match="adaptability"):
+        SimulatedPartner(alpha)
+
+
+@pytest.mark.parametrize("mode", [-1, 2])
+def test_unknown_modes_are_refused(mode: int) -> None:
+    with pytest.raises(ValueError, match=f"mode {mode} is not one of 0 to 1"):
+        SimulatedPartner(0.5, mode).first_mode(MODEL, np.random.default_rng(0))
