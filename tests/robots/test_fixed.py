@@ -39,20 +39,11 @@ def test_it_takes_a_shortest_path_to_the_best_goal(model: SharedAutonomy) -> Non
     assert (state, steps) == (world.goals[best].state, length)
 
 
-@pytest.mark.xfail(
-    strict=True,
-    reason="BUG in NoAdaptation: with a discount of 0, or where its power underflows, all actions "
-    "look alike; compare distances instead",
-)
 def test_a_discount_of_zero_changes_nothing() -> None:
     robot = NoAdaptation(replace(MODEL, discount=0.0))
     assert [robot.act(state, 0) for state in (B, C)] == [1, 1]
 
 
-@pytest.mark.xfail(
-    strict=True,
-    reason="BUG in NoAdaptation: where the best reward is 0 or negative a longer path looks better",
-)
 @pytest.mark.parametrize("reward", [0.0, -1.0])
 def test_a_best_reward_that_is_not_positive_changes_nothing(reward: float) -> None:
     goals = (Goal("low", A, reward - 1), Goal("high", D, reward))

@@ -11,7 +11,6 @@ paths. The robots are compared without the match rule, which belongs to executio
 
 from __future__ import annotations
 
-from collections.abc import Iterable
 from dataclasses import dataclass, replace
 from itertools import product
 
@@ -31,7 +30,7 @@ from coadapt.robots import (
     NoAdaptation,
     OneWayAdaptation,
 )
-from coadapt.simulation import SimulatedPartner, Visits, expand
+from coadapt.simulation import SimulatedPartner, expand
 
 TIGHT_GAP = 1e-7
 """Gap to which both planners of the first identity are solved, in reward units."""
@@ -62,8 +61,9 @@ class Identity:
         differing: number of them in which the actions differ.
         ties: how many of those are ties, both actions being optimal.
         largest_loss: largest value that the robot's action gives away, in reward units.
-        optimal_goal: smallest probability of reaching the optimal goal, over partners of every
-            adaptability and first mode; None where the identity does not speak of it.
+        optimal_goal: smallest probability of reaching the optimal goal in as many steps as a
+            shortest path has, over partners of every adaptability and first mode; None where the
+            identity does not speak of it.
         problem_difference: largest difference between any two numbers of the two planning problems,
             or None where there is one problem only.
         belief_difference: largest difference between the beliefs of the two, or None.
@@ -174,7 +174,10 @@ def always_optimal(key: str, description: str, model: SharedAutonomy, gap: float
     decisions = differing = ties = 0
     largest_loss = 0.0
     arrived = np.zeros(len(partners))
-    for visits in _all_visits(robot, partners):
+    # A robot that takes shortest paths is there after so many steps, whoever steers; the likelihood
+    # of 0 leaves out nothing. One that does not is caught by the probability of having arrived.
+    shortest = int(steps[world.start])
+    for visits in expand(robot, *partners, threshold=0.0, max_steps=shortest):
         taken = visits.decisions
         wanted = fixed.decide_many(taken.state, taken.human_input, taken.belief).action
         reached = world.moves[taken.state, taken.action]
@@ -229,11 +232,6 @@ def problem_difference(a: MOMDP, b: MOMDP) -> float:
         differences.append(np.abs(ours.belief - theirs.belief).max())
         differences.append(abs(ours.probability - theirs.probability))
     return float(max(differences))
-
-
-def _all_visits(robot: MutualAdaptation, partners: Iterable[SimulatedPartner]) -> Iterable[Visits]:
-    """Everything that can be reached: these robots never wander, so it ends."""
-    return expand(robot, *partners, threshold=0.0)
 
 
 def _worth(model: SharedAutonomy, steps: IntArray) -> FloatArray:

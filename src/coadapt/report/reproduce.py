@@ -23,7 +23,6 @@ from coadapt.report.samples import SampleRun, sample_runs
 from coadapt.robots import NEVER_MATCH, MatchRule, MutualAdaptation, NoAdaptation, OneWayAdaptation
 from coadapt.robots.robot import Robot
 from coadapt.simulation import SimulatedPartner, evaluate_all
-from coadapt.simulation.evaluation import TOLERANCE
 from coadapt.worlds import table_clearing
 
 Progress = Callable[[str], None]
@@ -35,6 +34,9 @@ SMALLEST_GAP, LARGEST_GAP = 1e-6, 0.1
 FINER_GAP, MOST_BACKUPS = 10.0, 20_000
 """How many times smaller the gap is of the run that shows how the bounds close in, and its end."""
 
+
+POLICY_TOLERANCE = 3e-4
+"""Probability of episodes that the evaluation of a robot without the rule may leave unfinished."""
 
 MATCHED_TOLERANCE = 3e-3
 """Probability of the episodes that the evaluation of a robot with the match rule may leave
@@ -214,7 +216,7 @@ def _evaluate(
     partners = [SimulatedPartner(alpha, first_mode) for alpha in settings.alphas]
     central = entrant.condition == "Mutual adaptation"
     robot = entrant.robot
-    tolerance = MATCHED_TOLERANCE if entrant.match_rule else TOLERANCE
+    tolerance = MATCHED_TOLERANCE if entrant.match_rule else POLICY_TOLERANCE
     return RobotResult(
         key=entrant.key,
         label=entrant.label,

@@ -64,7 +64,9 @@ class NoAdaptation:
         self, states: IntArray, human_inputs: IntArray, beliefs: FloatArray
     ) -> Decisions:
         """Decide in many situations at once, see `Robot.decide_many`."""
-        action = np.argmax(self._values(states), axis=-1)
+        steps = self._distance[self.model.world.moves[states]]
+        far = np.iinfo(np.int64).max
+        action = np.argmin(np.where(steps == UNREACHABLE, far, steps), axis=-1)
         perceived = self.model.perceived[states, action]
         agreement = (beliefs.sum(axis=-2) * perceived).sum(axis=-1)
         never = np.zeros(len(states), dtype=np.bool_)
@@ -72,11 +74,8 @@ class NoAdaptation:
 
     def action_values(self, decision: Decision) -> FloatArray:
         """``[A_r]`` discounted reward of the optimal goal after each action."""
-        return self._values(decision.state)
-
-    def _values(self, states: int | IntArray) -> FloatArray:
         world = self.model.world
-        steps = self._distance[world.moves[states]]
+        steps = self._distance[world.moves[decision.state]]
         reward = world.goals[world.optimal_goal].reward
         value = reward * self.model.discount ** (steps.astype(np.float64) + 1)
         return np.where(steps == UNREACHABLE, -np.inf, value)

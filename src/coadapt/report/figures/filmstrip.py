@@ -186,7 +186,7 @@ def _draw_bars(
         )
         for x, b in zip(middle, belief, strict=True)
     ]
-    axes.add_collection(PatchCollection(bars, facecolor=ROBOT, linewidth=0))
+    axes.add_collection(PatchCollection(bars, facecolor=ROBOT, edgecolor="none"))
     ticks = [0.0, top / 2, top]
     heights = [box.y + box.height * tick / top for tick in ticks]
     lines = [
@@ -247,7 +247,7 @@ def _key_width(text: str) -> float:
 
 def _path_key(axes: Axes, x: float, y: float) -> None:
     outline = Path(np.array([(x, y), (x + 14, y)]))
-    axes.add_patch(PathPatch(outline, edgecolor=PATH, linewidth=0.9))
+    axes.add_patch(PathPatch(outline, facecolor="none", edgecolor=PATH, linewidth=0.9))
     axes.plot(x + 7, y, "o", color=PATH, markersize=3.5, markeredgewidth=0)
 
 
