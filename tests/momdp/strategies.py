@@ -47,7 +47,8 @@ def sparse_momdps(
 ) -> MOMDP:
     """Any transitions: x' and y' each depend on the other or not, some states end the task.
 
-    With ``revealing`` x' tells much about y, so that many beliefs are certain of something.
+    With ``revealing`` the roots are certain of y and x' tells much about it, so that most beliefs
+    rule something out.
     """
     least = 2 if revealing else 1
     x, y = (draw(st.integers(least, sizes), label=name) for name in ("X", "Y"))
@@ -64,7 +65,7 @@ def sparse_momdps(
         observation=random_rows(rng, (a, x, y, o), zeros),
         reward=rng.uniform(-1, 1, size=(x, a, y)),
         discount=discount,
-        roots=random_roots(rng, x, y, zeros),
+        roots=random_roots(rng, x, y, 1.0 if revealing else zeros),
         terminal=sorted(terminal),
     )
 

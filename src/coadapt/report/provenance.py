@@ -95,6 +95,11 @@ def parameters(found: Reproduction) -> tuple[Parameter, ...]:
             "possible first input.",
         ),
         (
+            "An input or action that no mode explains",
+            "says nothing",
+            "Not stated. It does not occur here, where every mode may take every action.",
+        ),
+        (
             "Threshold of the match rule",
             f"{settings.match_rule.threshold:g}",
             "The paper asks for “enough confidence” (Sec. 5.3).",

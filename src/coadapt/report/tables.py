@@ -59,8 +59,8 @@ def tables(found: Reproduction) -> tuple[Table, ...]:
 
 
 def to_json(found: Reproduction) -> str:
-    """`as_object` as text: keys in a fixed order, numbers in full precision, no NaN."""
-    return json.dumps(as_object(found), indent=2, ensure_ascii=False, allow_nan=False) + "\n"
+    """`as_object` as text: keys in a fixed order, numbers in full precision, ASCII only, no NaN."""
+    return json.dumps(as_object(found), indent=2, allow_nan=False) + "\n"
 
 
 def as_object(found: Reproduction) -> dict[str, Any]:
