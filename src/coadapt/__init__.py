@@ -23,6 +23,7 @@ if TYPE_CHECKING:
         action_values,
         check_momdp,
     )
+    from coadapt.momdp.files import read_policy, read_pomdp, write_policy, write_pomdpx
     from coadapt.momdp.sarsop import SARSOP, Solution, Status
     from coadapt.simulation import Episode, SimulatedPartner, Trial, evaluate, simulate
 
@@ -45,9 +46,13 @@ __all__ = [
     "action_values",
     "check_momdp",
     "evaluate",
+    "read_policy",
+    "read_pomdp",
     "robots",
     "simulate",
     "worlds",
+    "write_policy",
+    "write_pomdpx",
 ]
 
 # Where each public name lives. They are imported on first use, so that the command line can show
@@ -69,7 +74,11 @@ _HOME = {
     "action_values": "coadapt.momdp",
     "check_momdp": "coadapt.momdp",
     "evaluate": "coadapt.simulation",
+    "read_policy": "coadapt.momdp.files",
+    "read_pomdp": "coadapt.momdp.files",
     "simulate": "coadapt.simulation",
+    "write_policy": "coadapt.momdp.files",
+    "write_pomdpx": "coadapt.momdp.files",
 }
 _SUBPACKAGES = ("robots", "worlds")
 

@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 from hypothesis import strategies as st
-from tests.momdp.strategies import random_rows
-from tests.worlds.strategies import worlds
 
 from coadapt import SharedAutonomy
 from coadapt.human import Adaptability
+from tests.momdp.strategies import random_rows
+from tests.worlds.strategies import worlds
 
 
 @st.composite

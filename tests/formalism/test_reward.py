@@ -4,11 +4,11 @@ from __future__ import annotations
 
 import numpy as np
 from hypothesis import given
-from tests.formalism.strategies import models
 
 from coadapt import SharedAutonomy
 from coadapt.formalism.reward import disagreement, reward
 from coadapt.worlds import table_clearing
+from tests.formalism.strategies import models
 
 
 @given(models())

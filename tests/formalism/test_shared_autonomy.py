@@ -8,9 +8,6 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from tests.formalism.strategies import models
-from tests.momdp.problems import joint, observations
-from tests.momdp.strategies import random_rows
 
 import coadapt as ca
 from coadapt import SharedAutonomy
@@ -18,6 +15,9 @@ from coadapt.arrays import FloatArray
 from coadapt.human import Adaptability
 from coadapt.momdp import belief
 from coadapt.momdp.check import MOMDPWarning, check_momdp
+from tests.formalism.strategies import models
+from tests.momdp.problems import joint, observations
+from tests.momdp.strategies import random_rows
 
 TABLE = ca.worlds.table_clearing()
 

@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from tests.momdp.strategies import random_rows
 
 from coadapt.human import Adaptability, mode_transition
+from tests.momdp.strategies import random_rows
 
 ALPHAS = st.sampled_from((0.0, 0.25, 1.0)) | st.floats(0, 1)
 

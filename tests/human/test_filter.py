@@ -8,9 +8,9 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from tests.momdp.strategies import random_rows
 
 from coadapt.human import filter as human_filter
+from tests.momdp.strategies import random_rows
 
 
 def eq_4(alpha: float, m: int, m_r: int, m_next: int) -> float:

@@ -5,9 +5,9 @@ from __future__ import annotations
 import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
-from tests.momdp.strategies import random_rows
 
 from coadapt.human import perceived_robot_mode
+from tests.momdp.strategies import random_rows
 
 
 @given(

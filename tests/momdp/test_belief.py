@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from tests.momdp.problems import corridor, joint, observations, tiger
-from tests.momdp.strategies import beliefs, momdps
 
 from coadapt.momdp import MOMDP, belief
+from tests.momdp.problems import corridor, joint, observations, tiger
+from tests.momdp.strategies import beliefs, momdps
 
 
 @given(momdps(), st.integers(0, 2**32))

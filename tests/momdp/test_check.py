@@ -13,11 +13,11 @@ from typing import Any
 import numpy as np
 import pytest
 from hypothesis import given
-from tests.momdp.problems import corridor, tiger
-from tests.momdp.strategies import momdps
 
 from coadapt.momdp import MOMDP, JumpTransition, Root, SparseTransition
 from coadapt.momdp.check import MOMDPError, MOMDPWarning, check_momdp
+from tests.momdp.problems import corridor, tiger
+from tests.momdp.strategies import momdps
 
 
 @given(momdps())

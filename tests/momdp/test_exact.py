@@ -9,12 +9,12 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from tests.momdp.problems import corridor, joint, known_hidden_policy, observations, tiger
-from tests.momdp.strategies import beliefs, momdps
 
 from coadapt.arrays import FloatArray
 from coadapt.momdp import MOMDP, AlphaVectorPolicy, Root
 from coadapt.momdp.exact import ExactSolution, evaluate_policy, exact_value
+from tests.momdp.problems import corridor, joint, known_hidden_policy, observations, tiger
+from tests.momdp.strategies import beliefs, momdps
 
 
 def futures(

@@ -9,10 +9,10 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from tests.momdp.problems import corridor, joint, observations, tiger
-from tests.momdp.strategies import random_rows
 
 from coadapt.momdp import MOMDP, Root
+from tests.momdp.problems import corridor, joint, observations, tiger
+from tests.momdp.strategies import random_rows
 
 
 @given(

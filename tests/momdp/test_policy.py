@@ -7,10 +7,10 @@ from dataclasses import replace
 import numpy as np
 from hypothesis import given
 from hypothesis import strategies as st
-from tests.momdp.problems import joint, known_hidden_policy, observations
-from tests.momdp.strategies import beliefs, momdps
 
 from coadapt.momdp import MOMDP, AlphaVectorPolicy, action_values
+from tests.momdp.problems import joint, known_hidden_policy, observations
+from tests.momdp.strategies import beliefs, momdps
 
 POLICY = AlphaVectorPolicy(
     start=np.array([0, 3, 4]),

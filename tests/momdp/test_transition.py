@@ -6,10 +6,10 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from tests.momdp.problems import dense_map
-from tests.momdp.strategies import random_rows
 
 from coadapt.momdp import JumpTransition, SparseTransition
+from tests.momdp.problems import dense_map
+from tests.momdp.strategies import random_rows
 
 SEEDS = st.integers(0, 2**32)
 

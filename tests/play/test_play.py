@@ -186,12 +186,15 @@ def test_panels_rearrange_with_the_window(tmp_path: Path) -> None:
 
         wide = ["table-panel", "belief-panel", "why-panel"]
         assert panels() == wide
+        assert text(app, "heading") == "coadapt play │ a robot │ trial 1, step 0"
         await pilot.resize_terminal(50, 20)
         await pilot.pause()
         assert panels() == ["table-panel", "why-panel", "belief-panel"]
+        assert text(app, "heading") == "a robot │ trial 1, step 0"
         await pilot.resize_terminal(100, 30)
         await pilot.pause()
         assert panels() == wide
+        assert text(app, "heading") == "coadapt play │ a robot │ trial 1, step 0"
 
     play(tmp_path / "log.csv", script)
 

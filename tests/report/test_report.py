@@ -7,21 +7,23 @@ import io
 import json
 import re
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
 
 import numpy as np
 import pytest
-from tests.report.conftest import small_settings
 
 import coadapt as ca
 from coadapt.cli import main
 from coadapt.errors import InputError
 from coadapt.report.performance import distances
+from coadapt.report.provenance import parameters
 from coadapt.report.reproduce import Reproduction, Settings, reproduce
 from coadapt.report.tables import to_json
 from coadapt.report.write import make_files, write_files
+from tests.report.conftest import small_settings
 
 LEFT, FORWARD, RIGHT = range(3)
 R_SUB, R_OPT = 10.0, 11.0  # Sec. 6.5
@@ -179,8 +181,16 @@ def test_page_says_who_chose_each_parameter(page: str, results: dict[str, Any]) 
     assert len(rows) == len(results["parameters"]) + 1
     origins = {p["name"]: p["origin"] for p in results["parameters"]}
     assert origins["Cost of disagreement C"] == "paper"
+    assert origins["Simulated runs per adaptability"] == "paper"
     for name in ("Discount γ", "Step cost c of the modal policies", "Threshold of the match rule"):
         assert origins[name] == "ours"
+
+
+def test_a_changed_parameter_of_the_paper_is_ours(found: Reproduction) -> None:
+    changed = replace(found, settings=replace(found.settings, runs=999))
+    runs = next(p for p in parameters(changed) if p.name == "Simulated runs per adaptability")
+    assert (runs.value, runs.origin) == ("999", "ours")
+    assert "Sec. 5.4 has 1000" in runs.source
 
 
 def test_page_colours_are_variables(page: str) -> None:

@@ -6,14 +6,14 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import assume, given
-from tests.formalism.strategies import models
-from tests.robots.worlds import HIGH, LOW, MODEL, ROW, A, B, C, D
-from tests.worlds.test_world import steps_forward
+from hypothesis import given
 
 from coadapt import SharedAutonomy
 from coadapt.robots import NoAdaptation
 from coadapt.worlds import Goal
+from tests.formalism.strategies import models
+from tests.robots.worlds import HIGH, LOW, MODEL, ROW, A, B, C, D
+from tests.worlds.test_world import steps_forward
 
 
 @given(models())
@@ -25,7 +25,6 @@ def test_it_takes_a_shortest_path_to_the_best_goal(model: SharedAutonomy) -> Non
         with pytest.raises(ValueError, match="cannot be reached"):
             NoAdaptation(model)
         return
-    assume(model.discount > 0.01)  # see the test of a discount of 0
     robot, state, steps = NoAdaptation(model), world.start, 0
     while state not in world.goal_states:
         # The first of the actions that come one step nearer; inputs are not looked at.

@@ -7,13 +7,13 @@ from functools import cache
 
 import numpy as np
 import pytest
-from tests.robots.worlds import DOWN, MODEL, UP, B, C, always, towards_the_likelier
 
 import coadapt as ca
 from coadapt import SharedAutonomy, SimulatedPartner, evaluate
 from coadapt.momdp import AlphaVectorPolicy
 from coadapt.momdp.sarsop import SARSOP
 from coadapt.robots import NEVER_MATCH, MatchRule, MutualAdaptation, OneWayAdaptation
+from tests.robots.worlds import DOWN, MODEL, UP, B, C, always, towards_the_likelier
 
 # Beliefs are [alpha, mode] with alpha 0 and 1, modes low and high, at first 1/4 each.
 # Down in b has probability 4/5 in low and 1/4 in high, that is 16 : 5.

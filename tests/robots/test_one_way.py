@@ -4,9 +4,9 @@ from __future__ import annotations
 
 import numpy as np
 import pytest
-from tests.robots.worlds import DOWN, HIGH, LOW, MODEL, UP, B, C, always, towards_the_likelier
 
 from coadapt.robots import NEVER_MATCH, OneWayAdaptation
+from tests.robots.worlds import DOWN, HIGH, LOW, MODEL, UP, B, C, always, towards_the_likelier
 
 
 def test_it_takes_people_for_stubborn_and_goals_for_equal() -> None:

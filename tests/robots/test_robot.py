@@ -8,8 +8,6 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from tests.momdp.problems import known_hidden_policy
-from tests.momdp.strategies import random_rows
 
 import coadapt as ca
 from coadapt.robots import (
@@ -21,6 +19,8 @@ from coadapt.robots import (
     OneWayAdaptation,
     Robot,
 )
+from tests.momdp.problems import known_hidden_policy
+from tests.momdp.strategies import random_rows
 
 TABLE = ca.SharedAutonomy(ca.worlds.table_clearing(5, 3))
 POLICY = known_hidden_policy(TABLE.to_momdp())

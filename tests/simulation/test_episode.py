@@ -6,11 +6,11 @@ import math
 
 import numpy as np
 import pytest
-from tests.robots.worlds import DOWN, HIGH, LOW, MODEL, UP, A, B, C, D, always, towards_the_likelier
 
 from coadapt import Episode, Trial
 from coadapt.robots import NEVER_MATCH, NO_INPUT, MutualAdaptation, NoAdaptation
 from coadapt.simulation import UNKNOWN_MODE, Trials
+from tests.robots.worlds import DOWN, HIGH, LOW, MODEL, UP, A, B, C, D, always, towards_the_likelier
 
 
 def robot() -> MutualAdaptation:

@@ -8,15 +8,15 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from tests.formalism.strategies import models
-from tests.momdp.problems import known_hidden_policy
-from tests.robots.worlds import LOW, MODEL, UP, B, always
 
 import coadapt as ca
 from coadapt import SharedAutonomy, SimulatedPartner, evaluate, simulate
 from coadapt.arrays import FloatArray
 from coadapt.robots import MatchRule, MutualAdaptation, NoAdaptation, OneWayAdaptation, Robot
 from coadapt.simulation import evaluate_all, evaluation, expand
+from tests.formalism.strategies import models
+from tests.momdp.problems import known_hidden_policy
+from tests.robots.worlds import LOW, MODEL, UP, B, always
 
 
 @dataclass
@@ -192,6 +192,12 @@ def test_it_looks_closer_until_the_tolerance_is_met(monkeypatch: pytest.MonkeyPa
     found = evaluate(ROBOTS[0], partner, tolerance=1e-6)
     assert found.unresolved <= 1e-6
     np.testing.assert_allclose(found.goal_probability, expected.goal_probability, atol=2e-6)
+
+
+@pytest.mark.parametrize("tolerance", [0.0, 1e-17, -1.0, float("nan")])
+def test_a_tolerance_that_rounding_may_never_meet_is_refused(tolerance: float) -> None:
+    with pytest.raises(ValueError, match="tolerance"):
+        evaluate(ROBOTS[0], SimulatedPartner(0.5), tolerance=tolerance)
 
 
 def test_the_robot_without_adaptation_by_hand() -> None:

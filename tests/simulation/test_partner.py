@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from tests.formalism.strategies import models
-from tests.momdp.strategies import random_rows
-from tests.robots.worlds import DOWN, HIGH, LOW, MODEL, UP, B, C
 
 from coadapt import SharedAutonomy, SimulatedPartner
 from coadapt.human import mode_transition
 from coadapt.simulation.partner import draw
+from tests.formalism.strategies import models
+from tests.momdp.strategies import random_rows
+from tests.robots.worlds import DOWN, HIGH, LOW, MODEL, UP, B, C
 
 DRAWS = 2000
 

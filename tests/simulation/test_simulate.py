@@ -6,10 +6,10 @@ from dataclasses import dataclass
 
 import numpy as np
 import pytest
-from tests.robots.worlds import DOWN, HIGH, LOW, MODEL, UP, B, always, towards_the_likelier
 
 from coadapt import Episode, SharedAutonomy, SimulatedPartner, simulate
 from coadapt.robots import NEVER_MATCH, MutualAdaptation, NoAdaptation
+from tests.robots.worlds import DOWN, HIGH, LOW, MODEL, UP, B, always, towards_the_likelier
 
 ROBOT = MutualAdaptation(MODEL, towards_the_likelier(), NEVER_MATCH)
 PARTNER = SimulatedPartner(0.5)

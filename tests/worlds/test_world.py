@@ -8,10 +8,10 @@ from typing import Any
 import numpy as np
 import pytest
 from hypothesis import given
-from tests.worlds.strategies import worlds
 
 from coadapt.worlds import Goal, World
 from coadapt.worlds.world import UNREACHABLE
+from tests.worlds.strategies import worlds
 
 # 0 - 1 - 2 - 3 in a row, with moves down and up.
 ROW = World(

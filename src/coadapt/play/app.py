@@ -11,6 +11,7 @@ from textual.app import App, ComposeResult
 from textual.binding import Binding, BindingType
 from textual.containers import Container, VerticalScroll
 from textual.events import Resize
+from textual.geometry import Size
 from textual.message import Message
 from textual.screen import Screen
 from textual.widgets import Footer, LoadingIndicator, Static
@@ -100,6 +101,7 @@ class PlayApp(App[int]):
         self._left = Event()
         self._since = monotonic()
         self._sentence = "Starting"
+        self._window: Size | None = None
         self.session: Session | None = None
         self.failure: BaseException | None = None
 
@@ -133,10 +135,13 @@ class PlayApp(App[int]):
     def on_resize(self, event: Resize) -> None:
         """Where the panels stand one below the other, the reason comes before the belief."""
         belief, reason = self._main.query_one("#belief-panel"), self._main.query_one("#why-panel")
-        if event.size.width < WIDE:
+        # `self.size` may still be what it was before this event.
+        self._window = event.size
+        if not self._is_wide:
             self._main.query_one("#body").move_child(reason, before=belief)
         else:
             self._main.query_one("#body").move_child(reason, after=belief)
+        self._show_waiting()
         self._show()
 
     def on_stage(self, message: Stage) -> None:
@@ -228,7 +233,7 @@ class PlayApp(App[int]):
         )
         world = session.robot.model.world
         self._main.query_one(TableView).show(Scene(world, session.state, tuple(session.decisions)))
-        self._main.query_one(BarsView).show(belief_bars(session, self.size.height >= TALL))
+        self._main.query_one(BarsView).show(belief_bars(session, self._is_tall))
         self._set("moves", moves(session))
         self._set("why", why(session))
 
@@ -238,8 +243,15 @@ class PlayApp(App[int]):
         return self.screen_stack[0]
 
     def _heading(self) -> str:
-        is_wide = self.size.width >= WIDE
-        return f"coadapt play │ {self._robot_title}" if is_wide else self._robot_title
+        return f"coadapt play │ {self._robot_title}" if self._is_wide else self._robot_title
+
+    @property
+    def _is_wide(self) -> bool:
+        return (self._window or self.size).width >= WIDE
+
+    @property
+    def _is_tall(self) -> bool:
+        return (self._window or self.size).height >= TALL
 
     def _set(self, name: str, text: str) -> None:
         self._main.query_one(f"#{name}", Static).update(text)

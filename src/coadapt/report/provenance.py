@@ -35,23 +35,34 @@ def parameters(found: Reproduction) -> tuple[Parameter, ...]:
     settings, model = found.settings, found.settings.model
     world, alpha = model.world, model.alpha
     best, other = world.goals[world.optimal_goal], world.goals[found.first_mode]
+    states = f"{found.mutual.observed} × {found.mutual.hidden}"
     paper = [
-        ("Robot states |X|", f"{world.states}", "Sec. 6.5"),
-        ("Actions of robot and human", _listed(world.action_names), "Sec. 5.4 and 6.5"),
-        ("Modes, one for each goal", _listed(model.mode_names), "Sec. 6.5"),
-        ("Adaptability values α", _numbers(alpha.values), "Sec. 5.4 and 6.5"),
+        ("Robot states |X|", f"{world.states}", "52", "Sec. 6.5"),
         (
-            "States of the planning problem",
-            f"{found.mutual.observed} × {found.mutual.hidden} = "
-            f"{found.mutual.observed * found.mutual.hidden}",
-            "Sec. 6.5",
+            "Actions of robot and human",
+            _listed(world.action_names),
+            "left, forward, right",
+            "Sec. 5.4 and 6.5",
         ),
-        ("Reward of the optimal goal R_opt", f"{best.reward:g} ({best.name})", "Sec. 6.5"),
-        ("Reward of the other goal R_sub", f"{other.reward:g} ({other.name})", "Sec. 6.5"),
-        ("Cost of disagreement C", f"{model.disagreement_cost:g}", "Sec. 6.5, Eq. 8"),
-        ("Memory k", f"{model.memory} step", "Sec. 5.4 and 6.5"),
-        ("Simulated runs per adaptability", f"{settings.runs}", "Sec. 5.4 (1000)"),
-        ("First mode of the simulated users", other.name, "Sec. 5.4, Fig. 4"),
+        ("Modes, one for each goal", _listed(model.mode_names), "left, right", "Sec. 6.5"),
+        (
+            "Adaptability values α",
+            _numbers(alpha.values),
+            "0, 0.25, 0.5, 0.75, 1",
+            "Sec. 5.4 and 6.5",
+        ),
+        ("States of the planning problem", states, "52 × 10", "Sec. 6.5"),
+        (f"Reward of the optimal goal R_opt ({best.name})", f"{best.reward:g}", "11", "Sec. 6.5"),
+        (f"Reward of the other goal R_sub ({other.name})", f"{other.reward:g}", "10", "Sec. 6.5"),
+        (
+            "Cost of disagreement C",
+            f"{model.disagreement_cost:g}",
+            "-0.32",
+            "Sec. 6.5, Eq. 8",
+        ),
+        ("Memory k, steps", f"{model.memory}", "1", "Sec. 5.4 and 6.5"),
+        ("Simulated runs per adaptability", f"{settings.runs}", "1000", "Sec. 5.4"),
+        ("First mode of the simulated users", other.name, "left", "Sec. 5.4, Fig. 4"),
     ]
     ours = [
         (
@@ -112,9 +123,16 @@ def parameters(found: Reproduction) -> tuple[Parameter, ...]:
         ("Seed of the simulations", f"{settings.seed}", "Any will do."),
     ]
     return (
-        *(Parameter(name, value, "paper", source) for name, value, source in paper),
+        *(_of_the_paper(*row) for row in paper),
         *(Parameter(name, value, "ours", source) for name, value, source in ours),
     )
+
+
+def _of_the_paper(name: str, value: str, published: str, source: str) -> Parameter:
+    """A parameter that the paper states: ours where another value was chosen."""
+    if value == published:
+        return Parameter(name, value, "paper", source)
+    return Parameter(name, value, "ours", f"Chosen for this report; {source} has {published}.")
 
 
 def _layout(found: Reproduction) -> str:

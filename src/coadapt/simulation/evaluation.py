@@ -24,6 +24,7 @@ SAME_BELIEF = 10
 """Beliefs that agree to this many decimals are merged."""
 
 TOLERANCE = 1e-3
+SMALLEST_TOLERANCE = 1e-12
 MAX_STEPS = 1000
 
 FIRST_THRESHOLD = 1e-4
@@ -90,9 +91,13 @@ def evaluate(
     Args:
         robot: the robot; its belief starts from its prior.
         partner: a person who follows the adaptation model.
-        tolerance: largest probability of the episodes that are not followed to their end.
+        tolerance: largest probability of the episodes that are not followed to their end, at
+            least `SMALLEST_TOLERANCE`.
         max_steps: episodes are not followed beyond this number of actions, whatever their
             probability.
+
+    Raises:
+        ValueError: if the tolerance is below what rounding allows.
     """
     return evaluate_all(robot, [partner], tolerance=tolerance, max_steps=max_steps)[0]
 
@@ -105,6 +110,8 @@ def evaluate_all(
     max_steps: int = MAX_STEPS,
 ) -> list[Evaluation]:
     """Evaluate ``robot`` with each of ``partners``, in one expansion; else as `evaluate`."""
+    if not tolerance >= SMALLEST_TOLERANCE:
+        raise ValueError(f"tolerance must be at least {SMALLEST_TOLERANCE}, not {tolerance}")
     threshold = FIRST_THRESHOLD * tolerance
     while True:
         evaluations, cut_short = _evaluate(robot, partners, threshold, max_steps)

@@ -5,11 +5,11 @@ from __future__ import annotations
 import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from tests.momdp.problems import dense_map
-from tests.momdp.strategies import jump_momdps, momdps
 
 from coadapt.momdp import MOMDP
 from coadapt.momdp.sarsop.problem import as_arrays, pull, push, row_of
+from tests.momdp.problems import dense_map
+from tests.momdp.strategies import jump_momdps, momdps
 
 
 @given(momdps() | jump_momdps(mixing=True), st.integers(0, 2**32))

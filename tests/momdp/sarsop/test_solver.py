@@ -15,8 +15,6 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from tests.momdp.problems import corridor, tiger
-from tests.momdp.strategies import beliefs, jump_momdps, momdps, sparse_momdps
 
 import coadapt as ca
 from coadapt.momdp import MOMDP, action_values, belief
@@ -24,6 +22,8 @@ from coadapt.momdp.exact import evaluate_policy, exact_value
 from coadapt.momdp.files import read_pomdp
 from coadapt.momdp.sarsop import SARSOP, Record, Solution, Status
 from coadapt.momdp.sarsop.sample import DEPTH_LIMIT
+from tests.momdp.problems import corridor, tiger
+from tests.momdp.strategies import beliefs, jump_momdps, momdps, sparse_momdps
 
 SRC = Path(ca.__file__).parents[1]
 ROUNDING = 1e-9

@@ -1,0 +1,193 @@
+"""The rewards of a `.pomdp` file: ``R(a, s, s', o)``, and its expectation ``R(a, s)``.
+
+The expectation is ``R(a, s) = sum_{s', o} T(s' | s, a) O(o | a, s') R(a, s, s', o)``. Only what can
+happen is looked at. Entries are kept by which of their axes are fixed; for each combination the
+latest entry is found by its key, and the latest of those found holds.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass
+from typing import final
+
+import numpy as np
+
+from coadapt.arrays import FloatArray, IntArray
+from coadapt.errors import FileError
+from coadapt.momdp.files.layered import WILD, steps
+from coadapt.momdp.files.limits import MAX_ENTRIES
+from coadapt.momdp.files.sparse_rows import SparseRows, expanded
+
+MAX_CASES = 50_000_000
+"""Combinations of state, successor and observation that the expectation is summed over."""
+
+CHUNK = 500_000
+"""Combinations that are looked at together."""
+
+NO_ENTRY = -1
+"""Sequence number where no entry holds."""
+
+
+@dataclass(frozen=True)
+class _Layer:
+    """Entries with the same fixed axes, by key in ascending order; the latest of equal keys."""
+
+    axes: tuple[int, ...]
+    key: IntArray
+    order: IntArray
+    value: FloatArray
+
+
+@final
+class RewardRules:
+    """The entries of R.
+
+    Args:
+        path: the file, for error messages.
+        sizes: numbers of actions, states, states, observations.
+    """
+
+    def __init__(self, path: object, sizes: tuple[int, int, int, int]) -> None:
+        self._path = path
+        self._sizes = sizes
+        self._steps = steps(sizes)
+        self._added: dict[tuple[int, ...], list[tuple[IntArray, int, FloatArray]]] = {}
+        self._single: dict[tuple[int, ...], dict[int, tuple[int, float]]] = {}
+        self._count = 0
+        self._cells = 0
+        if math.prod(sizes) > 2**62:
+            raise FileError(path, None, f"found rewards for {sizes} cases, expected fewer")
+
+    def add(self, line: int, given: list[int], values: FloatArray) -> None:
+        """An entry: ``values`` along the axes after those ``given``.
+
+        Raises:
+            FileError: if there are too many.
+        """
+        axes = (*(i for i, s in enumerate(given) if s != WILD), *range(len(given), 4))
+        base = sum(s * k for s, k in zip(given, self._steps, strict=False) if s != WILD)
+        order = self._count
+        self._count += 1
+        if len(values) == 1 and len(given) == 4:
+            self._single.setdefault(axes, {})[base] = (order, float(values[0]))
+            return
+        # The axes after those given are the last, so their linear index counts up by one.
+        self._cells += len(values)
+        if self._cells > MAX_ENTRIES:
+            raise FileError(
+                self._path, line, f"found more than {MAX_ENTRIES:,} rewards, expected fewer"
+            )
+        keys = base + np.arange(len(values), dtype=np.int64)
+        self._added.setdefault(axes, []).append((keys, order, values))
+
+    def expectation(self, moves: list[SparseRows], sights: list[SparseRows]) -> FloatArray:
+        """``[A, S]`` the expected reward.
+
+        Args:
+            moves: for each action the rows ``T(. | s, a)`` over s'.
+            sights: for each action the rows ``O(. | a, s')`` over o.
+
+        Raises:
+            FileError: if there are too many cases, or the sum is too large for a number.
+        """
+        actions, states, _, _ = self._sizes
+        layers = self._layers()
+        reward = np.zeros((actions, states))
+        with np.errstate(over="ignore", invalid="ignore"):
+            for a in range(actions):
+                own = [layer for layer in layers if self._has_action(layer, a)]
+                needed = {axis for layer in own for axis in layer.axes}
+                if 3 in needed:
+                    reward[a] = self._by_observation(own, a, moves[a], sights[a])
+                elif 2 in needed:
+                    reward[a] = self._by_successor(own, a, moves[a])
+                else:
+                    place = np.arange(states)
+                    reward[a] = self._lookup(own, (a, place, 0, 0), states)
+        if not np.isfinite(reward).all():
+            raise FileError(
+                self._path, None, f"found rewards that sum to {reward.max()}, expected smaller ones"
+            )
+        return reward + 0.0  # no negative zeros
+
+    def _by_successor(self, layers: list[_Layer], a: int, moves: SparseRows) -> FloatArray:
+        source = moves.owner()
+        values = self._lookup(layers, (a, source, moves.index, 0), len(source))
+        total = np.bincount(source, weights=moves.value * values, minlength=self._sizes[1])
+        return total.astype(np.float64)
+
+    def _by_observation(
+        self, layers: list[_Layer], a: int, moves: SparseRows, sights: SparseRows
+    ) -> FloatArray:
+        total = np.zeros(self._sizes[1])
+        source = moves.owner()
+        width = np.diff(sights.start)[moves.index]  # observations of each transition
+        ends = np.cumsum(width)
+        if len(ends) and ends[-1] * len(layers) > MAX_CASES:
+            raise FileError(
+                self._path,
+                None,
+                f"found rewards that differ in {ends[-1]:,} cases of one action, "
+                f"expected at most {MAX_CASES:,}",
+            )
+        first = 0
+        while first < len(source):
+            before = ends[first - 1] if first else 0
+            last = max(first + 1, int(np.searchsorted(ends, before + CHUNK, side="right")))
+            block = slice(first, last)
+            which, place = expanded(sights.start, moves.index[block])
+            s, s_next = source[block][which], moves.index[block][which]
+            values = self._lookup(layers, (a, s, s_next, sights.index[place]), len(s))
+            weight = moves.value[block][which] * sights.value[place]
+            total += np.bincount(s, weights=weight * values, minlength=self._sizes[1])
+            first = last
+        return total
+
+    def _lookup(
+        self, layers: list[_Layer], place: tuple[int | IntArray, ...], count: int
+    ) -> FloatArray:
+        """``[count]`` the rewards at ``place``: action, state, successor, observation."""
+        latest = np.full(count, NO_ENTRY, dtype=np.int64)
+        value = np.zeros(count)
+        for layer in layers:
+            key = np.zeros(count, dtype=np.int64)
+            for axis in layer.axes:
+                key += self._steps[axis] * np.asarray(place[axis], dtype=np.int64)
+            at = np.minimum(np.searchsorted(layer.key, key), len(layer.key) - 1)
+            later = (layer.key[at] == key) & (layer.order[at] > latest)
+            latest = np.where(later, layer.order[at], latest)
+            value = np.where(later, layer.value[at], value)
+        return value
+
+    def _layers(self) -> list[_Layer]:
+        layers: list[_Layer] = []
+        for axes in {**self._added, **self._single}:
+            single = self._single.get(axes, {})
+            blocks = self._added.get(axes, [])
+            key = np.concatenate(
+                [np.fromiter(single, np.int64, len(single)), *(block[0] for block in blocks)]
+            )
+            order = np.concatenate(
+                [
+                    np.array([entry[0] for entry in single.values()], dtype=np.int64),
+                    *(np.full(len(block[0]), block[1], dtype=np.int64) for block in blocks),
+                ]
+            )
+            value = np.concatenate(
+                [
+                    np.array([entry[1] for entry in single.values()]),
+                    *(block[2] for block in blocks),
+                ]
+            )
+            sequence = np.lexsort((order, key))
+            key, order, value = key[sequence], order[sequence], value[sequence]
+            kept = np.r_[key[1:] != key[:-1], True]
+            layers.append(_Layer(axes, key[kept], order[kept], value[kept]))
+        return layers
+
+    def _has_action(self, layer: _Layer, a: int) -> bool:
+        if 0 not in layer.axes:
+            return True
+        first, last = np.searchsorted(layer.key, [a * self._steps[0], (a + 1) * self._steps[0]])
+        return bool(first < last)
