@@ -20,7 +20,7 @@ if TYPE_CHECKING:
 PATIENCE = 4.0
 """Seconds after which a first stage that still runs is explained: later runs take less than one."""
 
-COMPILING = "On the first run the planner's kernels are compiled; that takes about a minute, once."
+COMPILING = "On the first run the planner's kernels are compiled; that takes up to a minute, once."
 
 
 @click.command(name="reproduce")

@@ -44,6 +44,11 @@ class OneWayAdaptation:
         return self._robot.policy
 
     @property
+    def match_rule(self) -> MatchRule:
+        """When the person's input is executed instead of the policy's action."""
+        return self._robot.match_rule
+
+    @property
     def belief(self) -> FloatArray:
         """``[1, M]`` belief behind the last decision, or at the start of the episode."""
         return self._robot.belief

@@ -28,7 +28,7 @@ class Goal:
     reward: float
 
 
-@dataclass(frozen=True)
+@dataclass(frozen=True, eq=False)
 class World:
     """Robot states and the moves between them.
 
@@ -67,6 +67,8 @@ class World:
                 raise ValueError(f"state {where} is not one of 0 to {states - 1}")
         if len(set(goal_states)) < len(goal_states):
             raise ValueError("two goals share a state")
+        if len({goal.name for goal in self.goals}) < len(self.goals):
+            raise ValueError("two goals share a name")
         if self.start in goal_states:
             raise ValueError(f"the start, {self.state_names[self.start]}, is a goal")
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import io
+import tempfile
 import zipfile
 from pathlib import Path
 
@@ -40,8 +41,7 @@ def test_comes_back_exactly(tmp_path: Path, suffix: str) -> None:
 
 
 @given(st.integers(1, 4), st.integers(1, 4), st.integers(0, 2**32))
-def test_any_policy_comes_back(tmp_path_factory: object, x: int, y: int, seed: int) -> None:
-    directory = tmp_path_factory.mktemp("policy")  # type: ignore[attr-defined]
+def test_any_policy_comes_back(x: int, y: int, seed: int) -> None:
     rng = np.random.default_rng(seed)
     start = np.concatenate(([0], np.cumsum(rng.integers(1, 4, size=x))))
     policy = AlphaVectorPolicy(
@@ -49,9 +49,11 @@ def test_any_policy_comes_back(tmp_path_factory: object, x: int, y: int, seed: i
         vectors=rng.normal(size=(start[-1], y)) * 10.0 ** rng.integers(-9, 9),
         actions=rng.integers(5, size=start[-1]),
     )
-    for suffix in (".policyx", ".coadapt"):
-        write_policy(policy, directory / f"p{suffix}")
-        assert_equal(policy, read_policy(directory / f"p{suffix}"))
+    with tempfile.TemporaryDirectory() as directory:
+        for suffix in (".policyx", ".coadapt"):
+            path = Path(directory) / f"policy{suffix}"
+            write_policy(policy, path)
+            assert_equal(policy, read_policy(path))
 
 
 def test_xml_as_text(tmp_path: Path) -> None:

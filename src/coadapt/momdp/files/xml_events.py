@@ -156,7 +156,11 @@ def parse_xml(
         raise
     except expat.ExpatError as error:
         reason = expat.ErrorString(error.code)
-        raise FileError(path, error.lineno, f"found {reason}, expected XML") from error
+        raise FileError(
+            path,
+            error.lineno,
+            f"found malformed XML ({reason}), expected elements that are complete",
+        ) from error
     except (LookupError, ValueError) as error:
         # An encoding that is unknown, or that the parser cannot use.
         raise FileError(
