@@ -17,7 +17,7 @@ from coadapt.errors import FileError
 from coadapt.momdp.files.cassandra_head import Head, Names, read_head
 from coadapt.momdp.files.cassandra_rewards import RewardRules
 from coadapt.momdp.files.cassandra_tokens import Tokens
-from coadapt.momdp.files.layered import ENUM, WILD, LayeredTable, Selectors, Slices
+from coadapt.momdp.files.layered import ENUM, WILD, LayeredTable, Selectors
 from coadapt.momdp.files.limits import (
     MAX_ENTRIES,
     MAX_OBSERVATIONS,
@@ -25,6 +25,7 @@ from coadapt.momdp.files.limits import (
     check_size,
 )
 from coadapt.momdp.files.rows import normalised
+from coadapt.momdp.files.slices import Slices
 from coadapt.momdp.files.sparse_rows import SparseRows
 from coadapt.momdp.files.values import PROBABILITY_TOLERANCE, one_number
 from coadapt.momdp.model import MOMDP, Root

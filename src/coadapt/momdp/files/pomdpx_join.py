@@ -15,10 +15,10 @@ import numpy as np
 
 from coadapt.arrays import FloatArray, IntArray
 from coadapt.errors import FileError
-from coadapt.momdp.files.slices import Slices
 from coadapt.momdp.files.limits import MAX_ENTRIES
 from coadapt.momdp.files.pomdpx_entries import Factor
 from coadapt.momdp.files.pomdpx_variables import Axis
+from coadapt.momdp.files.slices import Slices
 from coadapt.momdp.files.sparse_rows import expanded, starts
 
 Key = tuple[str, int, bool]

@@ -11,12 +11,12 @@ import numpy as np
 
 from coadapt.arrays import FloatArray, IntArray
 from coadapt.errors import FileError
-from coadapt.momdp.files.slices import Slices
 from coadapt.momdp.files.limits import MAX_ENTRIES
 from coadapt.momdp.files.pomdpx_entries import Factor
 from coadapt.momdp.files.pomdpx_join import count_of, linear
 from coadapt.momdp.files.pomdpx_transition import Edges
 from coadapt.momdp.files.pomdpx_variables import ACTION, Axis, Variables
+from coadapt.momdp.files.slices import Slices
 
 
 def build_reward(

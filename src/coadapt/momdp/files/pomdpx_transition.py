@@ -14,7 +14,6 @@ import numpy as np
 
 from coadapt.arrays import FloatArray, IntArray
 from coadapt.errors import FileError
-from coadapt.momdp.files.slices import Slices
 from coadapt.momdp.files.limits import MAX_ENTRIES, check_size
 from coadapt.momdp.files.pomdpx_entries import Factor
 from coadapt.momdp.files.pomdpx_join import (
@@ -34,6 +33,7 @@ from coadapt.momdp.files.pomdpx_variables import (
     combine,
 )
 from coadapt.momdp.files.rows import normalised
+from coadapt.momdp.files.slices import Slices
 from coadapt.momdp.files.sparse_rows import expanded, starts
 from coadapt.momdp.transition import SparseTransition
 

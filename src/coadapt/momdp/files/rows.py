@@ -8,8 +8,9 @@ from dataclasses import replace
 import numpy as np
 
 from coadapt.errors import FileError
-from coadapt.momdp.files.layered import WILD, LayeredTable, Selectors, Slices
+from coadapt.momdp.files.layered import WILD, LayeredTable, Selectors
 from coadapt.momdp.files.limits import MAX_REWARDS, check_size
+from coadapt.momdp.files.slices import Slices
 from coadapt.momdp.files.values import EXACT_SUM, SUM_TOLERANCE
 
 

@@ -199,7 +199,8 @@ def _different_rows(rows: SparseRows) -> tuple[SparseRows, IntArray]:
     key = sums[rows.start[1:]] - sums[rows.start[:-1]] + length.astype(np.uint64)
     _, first, back = np.unique(key, return_index=True, return_inverse=True)
     like = first[back]  # the first row with the same hash
-    like[length != length[like]] = np.flatnonzero(length != length[like])
+    shorter = length != length[like]
+    like[shorter] = np.flatnonzero(shorter)
     own, place = expanded(rows.start, np.arange(count))
     other = place - rows.start[own] + rows.start[like[own]]
     differs = (rows.index[place] != rows.index[other]) | (rows.value[place] != rows.value[other])
@@ -214,6 +215,5 @@ def _too_large(path: object, count: int) -> FileError:
     return FileError(
         path,
         None,
-        f"found a table with {count:,} entries different from 0, "
-        f"expected at most {MAX_ENTRIES:,}",
+        f"found a table with {count:,} entries different from 0, expected at most {MAX_ENTRIES:,}",
     )
