@@ -26,7 +26,7 @@ from coadapt.momdp.files.limits import (
 )
 from coadapt.momdp.files.rows import normalised
 from coadapt.momdp.files.slices import Slices
-from coadapt.momdp.files.sparse_rows import SparseRows
+from coadapt.momdp.files.sparse_rows import SparseRows, different_rows
 from coadapt.momdp.files.values import PROBABILITY_TOLERANCE, one_number
 from coadapt.momdp.model import MOMDP, Root
 from coadapt.momdp.transition import SparseTransition
@@ -152,7 +152,7 @@ def _build(
         raise FileError(
             path, line, f"found no probabilities of {move((a, s, WILD))}, expected a sum of 1"
         )
-    different, edge_map = np.unique(rows, axis=0, return_inverse=True)  # [K, S], [A]
+    different, edge_map = different_rows(rows)  # [K, S], [A]
     _check_entries(path, slices, different)
     maps = _gather(slices, different.ravel())
     observed = normalised(path, sights, sight)
@@ -160,7 +160,7 @@ def _build(
     reached = np.zeros((actions, states), dtype=np.bool_)
     arrives = np.zeros((len(different), states), dtype=np.bool_)
     arrives[maps.owner() // states, maps.index] = True
-    reached[:] = arrives[edge_map.ravel()]
+    reached[:] = arrives[edge_map]
     unseen = np.diff(observed.start)[shown] == 0
     if (unseen & reached).any():
         a, s = _first(unseen & reached)
@@ -168,19 +168,21 @@ def _build(
         raise FileError(
             path, line, f"found no probabilities of {sight((a, s, WILD))}, expected a sum of 1"
         )
-    kinds, observation_index = np.unique(shown, axis=0, return_inverse=True)
+    kinds, observation_index = different_rows(shown)
     check_size(path, None, "observation matrices", (len(kinds), states, seen), MAX_OBSERVATIONS)
     observation = _dense(observed, kinds, seen)
-    reward = rules.expectation(_by_action(slices, rows), _by_action(observed, shown))
+    reward = rules.expectation(
+        lambda a: _gather(slices, rows[a]), lambda a: _gather(observed, shown[a])
+    )
     return MOMDP(
         edge_start=np.arange(actions + 1, dtype=np.int64),
         edge_next=np.zeros(actions, dtype=np.int64),
-        edge_map=edge_map.ravel().astype(np.int64),
+        edge_map=edge_map,
         transition=SparseTransition(
             hidden=states, row_start=maps.start, column=maps.index, value=maps.value
         ),
         observation=observation,
-        observation_index=observation_index.astype(np.int64).reshape(actions, 1),
+        observation_index=observation_index.reshape(actions, 1),
         reward=reward.reshape(1, actions, states),
         discount=head.discount,
         roots=(Root(0, head.start),),
@@ -204,10 +206,6 @@ def _check_entries(path: object, slices: Slices, rows: IntArray) -> None:
 def _gather(slices: Slices, rows: IntArray) -> SparseRows:
     """The slices ``rows``, one after the other."""
     return SparseRows(slices.start, slices.index, slices.value).take(rows)
-
-
-def _by_action(slices: Slices, rows: IntArray) -> list[SparseRows]:
-    return [_gather(slices, row) for row in rows]
 
 
 def _dense(slices: Slices, kinds: IntArray, seen: int) -> FloatArray:

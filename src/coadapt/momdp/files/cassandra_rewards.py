@@ -8,6 +8,7 @@ latest entry is found by its key, and the latest of those found holds.
 from __future__ import annotations
 
 import math
+from collections.abc import Callable
 from dataclasses import dataclass
 from typing import final
 
@@ -19,8 +20,9 @@ from coadapt.momdp.files.layered import WILD, steps
 from coadapt.momdp.files.limits import MAX_ENTRIES
 from coadapt.momdp.files.sparse_rows import SparseRows, expanded
 
-MAX_CASES = 50_000_000
-"""Combinations of state, successor and observation that the expectation is summed over."""
+MAX_CASES = 20_000_000
+"""Combinations of state, successor and observation that the expectation is summed over, times the
+kinds of entries that are looked up for each."""
 
 CHUNK = 500_000
 """Combinations that are looked at together."""
@@ -56,6 +58,7 @@ class RewardRules:
         self._single: dict[tuple[int, ...], dict[int, tuple[int, float]]] = {}
         self._count = 0
         self._cells = 0
+        self._cases = 0
         if math.prod(sizes) > 2**62:
             raise FileError(path, None, f"found rewards for {sizes} cases, expected fewer")
 
@@ -81,12 +84,14 @@ class RewardRules:
         keys = base + np.arange(len(values), dtype=np.int64)
         self._added.setdefault(axes, []).append((keys, order, values))
 
-    def expectation(self, moves: list[SparseRows], sights: list[SparseRows]) -> FloatArray:
+    def expectation(
+        self, moves: Callable[[int], SparseRows], sights: Callable[[int], SparseRows]
+    ) -> FloatArray:
         """``[A, S]`` the expected reward.
 
         Args:
-            moves: for each action the rows ``T(. | s, a)`` over s'.
-            sights: for each action the rows ``O(. | a, s')`` over o.
+            moves: gives for each action the rows ``T(. | s, a)`` over s'.
+            sights: gives for each action the rows ``O(. | a, s')`` over o.
 
         Raises:
             FileError: if there are too many cases, or the sum is too large for a number.
@@ -99,9 +104,9 @@ class RewardRules:
                 own = [layer for layer in layers if self._has_action(layer, a)]
                 needed = {axis for layer in own for axis in layer.axes}
                 if 3 in needed:
-                    reward[a] = self._by_observation(own, a, moves[a], sights[a])
+                    reward[a] = self._by_observation(own, a, moves(a), sights(a))
                 elif 2 in needed:
-                    reward[a] = self._by_successor(own, a, moves[a])
+                    reward[a] = self._by_successor(own, a, moves(a))
                 else:
                     place = np.arange(states)
                     reward[a] = self._lookup(own, (a, place, 0, 0), states)
@@ -112,25 +117,23 @@ class RewardRules:
         return reward + 0.0  # no negative zeros
 
     def _by_successor(self, layers: list[_Layer], a: int, moves: SparseRows) -> FloatArray:
+        self._spend(len(moves.index) * len(layers))
+        total = np.zeros(self._sizes[1])
         source = moves.owner()
-        values = self._lookup(layers, (a, source, moves.index, 0), len(source))
-        total = np.bincount(source, weights=moves.value * values, minlength=self._sizes[1])
-        return total.astype(np.float64)
+        for first in range(0, len(source), CHUNK):
+            block = slice(first, first + CHUNK)
+            s, s_next = source[block], moves.index[block]
+            values = self._lookup(layers, (a, s, s_next, 0), len(s))
+            total += np.bincount(s, weights=moves.value[block] * values, minlength=len(total))
+        return total
 
     def _by_observation(
         self, layers: list[_Layer], a: int, moves: SparseRows, sights: SparseRows
     ) -> FloatArray:
         total = np.zeros(self._sizes[1])
         source = moves.owner()
-        width = np.diff(sights.start)[moves.index]  # observations of each transition
-        ends = np.cumsum(width)
-        if len(ends) and ends[-1] * len(layers) > MAX_CASES:
-            raise FileError(
-                self._path,
-                None,
-                f"found rewards that differ in {ends[-1]:,} cases of one action, "
-                f"expected at most {MAX_CASES:,}",
-            )
+        ends = np.cumsum(np.diff(sights.start)[moves.index])  # observations of the transitions
+        self._spend(int(ends[-1]) * len(layers))
         first = 0
         while first < len(source):
             before = ends[first - 1] if first else 0
@@ -140,9 +143,19 @@ class RewardRules:
             s, s_next = source[block][which], moves.index[block][which]
             values = self._lookup(layers, (a, s, s_next, sights.index[place]), len(s))
             weight = moves.value[block][which] * sights.value[place]
-            total += np.bincount(s, weights=weight * values, minlength=self._sizes[1])
+            total += np.bincount(s, weights=weight * values, minlength=len(total))
             first = last
         return total
+
+    def _spend(self, cases: int) -> None:
+        self._cases += cases
+        if self._cases > MAX_CASES:
+            raise FileError(
+                self._path,
+                None,
+                f"found rewards that differ in {self._cases:,} cases, "
+                f"expected at most {MAX_CASES:,}",
+            )
 
     def _lookup(
         self, layers: list[_Layer], place: tuple[int | IntArray, ...], count: int

@@ -48,3 +48,11 @@ def expanded(start: IntArray, rows: IntArray) -> tuple[IntArray, IntArray]:
     which: IntArray = np.repeat(np.arange(len(rows)), length)
     place: IntArray = np.repeat(start[rows] - begin[:-1], length) + np.arange(len(which))
     return which, place
+
+
+def different_rows(rows: IntArray) -> tuple[IntArray, IntArray]:
+    """The different rows of a matrix, and for each row which of them it is."""
+    known: dict[bytes, int] = {}
+    number = np.array([known.setdefault(row.tobytes(), len(known)) for row in rows], dtype=np.int64)
+    first = np.unique(number, return_index=True)[1]
+    return rows[first], number
