@@ -92,7 +92,7 @@ def test_limits(monkeypatch: pytest.MonkeyPatch) -> None:
     table.set(1, (WILD, WILD, 0), np.array([0.5]))
     with pytest.raises(InputError, match="file:2: found wildcards"):
         table.set(2, (WILD, WILD, 1), np.array([0.5]))
-    monkeypatch.setattr(layered, "MAX_ENTRIES", 19)
+    monkeypatch.setattr(layered, "MAX_ENTRIES", 20)
     table = LayeredTable("file", (2, 9, 2), (True, False, False))
     table.set(1, (0, WILD, ENUM), np.array([0.5, 0.5]))
     with pytest.raises(InputError, match="file:2: found a table"):

@@ -115,10 +115,9 @@ class LayeredTable:
             diagonal = np.arange(size, dtype=np.int64) * (size + 1)
             self._log(cells[0], self._operation(line, pattern, diagonal, np.ones(size)), whole)
             return
-        place, one = np.arange(size, dtype=np.int64), np.ones(1)
-        for value in range(size):
-            unit = self._operation(line, pattern, place[value : value + 1], one)
-            self._log(cells[value], unit, whole)
+        units = self._units(line, pattern, size)
+        self._cell.frombytes(np.asarray(cells, dtype=np.int64).tobytes())
+        self._op.frombytes(np.repeat(units, len(cells[0])).tobytes())
 
     def line_of(self, place: Sequence[int]) -> int | None:
         """The line of the last entry that sets cells at ``place``; `WILD` there means any."""
@@ -208,14 +207,7 @@ class LayeredTable:
         wild = math.prod(n for n, s in zip(self.inner_sizes, pattern, strict=True) if s == WILD)
         many = math.prod(n for n, s in zip(self.inner_sizes, pattern, strict=True) if s == ENUM)
         # What sets the whole slice need not mention its zeros.
-        stored = len(self._op_index) + wild * (len(nonzero) if full else many)
-        if stored > MAX_ENTRIES:
-            raise FileError(
-                self._path,
-                line,
-                f"found a table with {stored:,} entries different from 0, "
-                f"expected at most {MAX_ENTRIES:,}",
-            )
+        self._check_stored(line, wild * (len(nonzero) if full else many))
         if full:
             rest: IntArray = nonzero
             index: IntArray = np.zeros(len(nonzero), dtype=np.int64)
@@ -237,6 +229,37 @@ class LayeredTable:
         self._op_value.frombytes(values.tobytes())
         self._op_start.append(len(self._op_index))
         return len(self._op_full) - 1
+
+    def _units(self, line: int, pattern: Selectors, size: int) -> IntArray:
+        """``[size]`` new operations, each of which sets one value of the `ENUM` axis to 1."""
+        place, one = np.arange(size, dtype=np.int64), np.ones(1)
+        if any(s >= 0 for s in pattern):
+            units = [self._operation(line, pattern, place[i : i + 1], one) for i in range(size)]
+            return np.array(units, dtype=np.int64)
+        self._check_stored(line, math.prod(self.inner_sizes))
+        index = (
+            _grid(pattern, ENUM, self.inner_sizes)[:, None]
+            + _grid(pattern, WILD, self.inner_sizes)[None, :]
+        )
+        first, begin = len(self._op_full), len(self._op_index)
+        self._op_full.extend([True] * size)
+        self._op_index.frombytes(index.tobytes())
+        self._op_value.extend([1.0] * index.size)
+        self._op_start.extend(
+            range(begin + index.shape[1], len(self._op_index) + 1, index.shape[1])
+        )
+        return first + place
+
+    def _check_stored(self, line: int, more: int) -> None:
+        """Refuse an operation of ``more`` entries if all together are too many."""
+        stored = len(self._op_index) + more
+        if stored > MAX_ENTRIES:
+            raise FileError(
+                self._path,
+                line,
+                f"found a table with {stored:,} entries different from 0, "
+                f"expected at most {MAX_ENTRIES:,}",
+            )
 
     def _log(self, cells: IntArray | Sequence[int], op: int, whole: bool) -> None:
         """Apply an operation to cells."""

@@ -10,7 +10,7 @@ import math
 
 from coadapt.errors import FileError
 
-MAX_FILE_BYTES = 1 << 30
+MAX_FILE_BYTES = 1 << 29
 """Size of a file that is read, in bytes."""
 
 MAX_VALUES = 1_000_000
@@ -24,6 +24,9 @@ MAX_OBSERVATIONS = 25_000_000
 
 MAX_ENTRIES = 10_000_000
 """Entries different from 0 of the hidden transitions, and rows of their stack, ``K * |Y|``."""
+
+MAX_PAIRS = 500_000
+"""Pairs of an observed state and an action, ``|X| * |A|``, in a `.pomdpx` file."""
 
 MAX_CELLS = 5_000_000
 """Rows of one table that the wildcards and matrices of a file may set, over all of its entries."""

@@ -16,7 +16,7 @@ from coadapt.momdp.files.pomdpx_entries import Factor, read_factor
 from coadapt.momdp.files.pomdpx_join import Distribution, Frame, in_order
 from coadapt.momdp.files.pomdpx_observation import build_observation
 from coadapt.momdp.files.pomdpx_reward import build_reward
-from coadapt.momdp.files.pomdpx_transition import build_edges, check_rows
+from coadapt.momdp.files.pomdpx_transition import TOTAL_TOLERANCE, build_edges, check_rows
 from coadapt.momdp.files.pomdpx_variables import (
     ACTION,
     HIDDEN,
@@ -152,7 +152,7 @@ def _roots(
         only = slices.at(np.zeros(len(frame.weight), dtype=np.int64))
         frame.extend(Distribution.of(factor, slices), only)
     total = float(frame.weight.sum())
-    if abs(total - 1) > 1e-7:
+    if abs(total - 1) > TOTAL_TOLERANCE:
         raise FileError(
             path, line, f"found an initial belief with a total of {total:.9g}, expected 1"
         )
@@ -163,13 +163,17 @@ def _roots(
             columns = [frame.columns[group, v.place, False] for v in product.variables]
             index[i] = combine(product, columns)
     x, y = index
+    order = np.argsort(x, kind="stable")
+    x, y, weight = x[order], y[order], frame.weight[order]
+    states, first = np.unique(x, return_index=True)
     roots: list[Root] = []
-    for state in (int(i) for i in np.unique(x)):
+    for i, state in enumerate(states):
+        own = slice(first[i], first[i + 1] if i + 1 < len(first) else None)
         belief = np.zeros(variables.hidden.size)
-        belief[y[x == state]] = frame.weight[x == state]
+        belief[y[own]] = weight[own]
         chance = float(belief.sum())
-        label = variables.observed.names[state]
-        roots.append(Root(state, belief / chance, chance, label))
+        name = variables.observed.names[int(state)]
+        roots.append(Root(int(state), belief / chance, chance, name))
     if len(roots) == 1:
         return (Root(roots[0].x, roots[0].belief),)
     return tuple(roots)

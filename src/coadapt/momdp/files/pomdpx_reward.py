@@ -18,6 +18,9 @@ from coadapt.momdp.files.pomdpx_transition import Edges
 from coadapt.momdp.files.pomdpx_variables import ACTION, Axis, Variables
 from coadapt.momdp.files.slices import Slices
 
+CHUNK = 1_000_000
+"""Entries of the reward that are added to together."""
+
 
 def build_reward(
     path: object, variables: Variables, edges: Edges, factors: Sequence[Factor]
@@ -54,9 +57,10 @@ def _add(reward: FloatArray, variables: Variables, factor: Factor, slices: Slice
     rows = np.empty((len(different), size))
     for i, s in enumerate(int(i) for i in different):
         rows[i] = _dense(factor, slices, s)[parents]
-    by_state: IntArray = number.reshape(states, actions)
-    for state in range(states):
-        reward[state] += rows[by_state[state]]
+    flat = reward.reshape(-1, size)
+    step = max(1, CHUNK // size)
+    for first in range(0, len(flat), step):
+        flat[first : first + step] += rows[number[first : first + step]]
 
 
 def _add_expected(

@@ -11,6 +11,7 @@ from dataclasses import dataclass
 from typing import final
 
 import numpy as np
+from scipy import sparse
 
 from coadapt.arrays import FloatArray, IntArray
 from coadapt.errors import FileError
@@ -39,6 +40,10 @@ from coadapt.momdp.transition import SparseTransition
 
 CHUNK = 200_000
 """Rows of hidden maps that are built together."""
+
+
+TOTAL_TOLERANCE = 1e-7
+"""How far a product of normalised distributions may be from 1."""
 
 
 @dataclass(frozen=True)
@@ -287,23 +292,27 @@ def check_rows(
     """
     actions, size = variables.actions.size, variables.hidden.size
     sums = edges.transition.row_sums()
-    # Each (x, a) by itself: no array of all of them is needed.
-    for row in range(len(edges.start) - 1):
-        maps = edges.map[edges.start[row] : edges.start[row + 1]]
-        total = sums[maps[0]] if len(maps) == 1 else sums[maps].sum(axis=0)
-        wrong = np.abs(total - 1) > 1e-7
-        if len(maps) and not wrong.any():
+    step = max(1, CHUNK // size)
+    for first in range(0, len(edges.start) - 1, step):
+        start = edges.start[first : first + step + 1]
+        part = edges.map[start[0] : start[-1]]
+        uses = sparse.csr_array(
+            (np.ones(len(part)), part, start - start[0]), shape=(len(start) - 1, len(sums))
+        )
+        totals = np.asarray(uses @ sums)
+        wrong = np.abs(totals - 1) > TOTAL_TOLERANCE
+        if not wrong.any():
             continue
-        y = int(np.argmax(wrong)) if len(maps) else 0
-        found = float(total[y]) if len(maps) else 0.0
-        x, a = divmod(row, actions)
+        row, y = divmod(int(np.argmax(wrong)), size)
+        x, a = divmod(first + row, actions)
         where = f"action {variables.actions.names[a]}, state {variables.observed.names[x]}"
         if size > 1:
             where += f" and {variables.hidden.names[y]}"
         raise FileError(
             path,
             _missing(variables, factors, x, a, y) or line,
-            f"found successors of {where} with a total probability of {found:.9g}, expected 1",
+            f"found successors of {where} with a total probability of {totals[row, y]:.9g}, "
+            "expected 1",
         )
 
 

@@ -16,8 +16,8 @@ from coadapt.arrays import IntArray
 from coadapt.errors import FileError, excerpt
 from coadapt.momdp.files.layered import steps
 from coadapt.momdp.files.limits import (
-    MAX_ENTRIES,
     MAX_OBSERVATIONS,
+    MAX_PAIRS,
     MAX_REWARDS,
     MAX_VALUES,
     check_size,
@@ -172,10 +172,9 @@ def read_variables(path: object, document: RawDocument) -> Variables:
         if not found:
             raise FileError(path, line, f"found no <{what}>, expected at least one")
     x, y, a, o = (math.prod(v.size for v in groups[group]) for group in "xyao")
-    limit = min(MAX_REWARDS, MAX_ENTRIES * 10)
-    check_size(path, line, "observed states x actions x hidden states", (x, a, y), limit)
-    check_size(path, line, "actions x observed states", (a, x), MAX_ENTRIES)
-    check_size(path, line, "hidden states", (y,), MAX_ENTRIES // 10)
+    check_size(path, line, "observed states x actions x hidden states", (x, a, y), MAX_REWARDS)
+    check_size(path, line, "actions x observed states", (a, x), MAX_PAIRS)
+    check_size(path, line, "hidden states", (y,), MAX_VALUES)
     check_size(path, line, "hidden states x observations", (y, o), MAX_OBSERVATIONS)
     check_size(path, line, "observations", (o,), MAX_VALUES)
     return Variables(
