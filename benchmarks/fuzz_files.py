@@ -2,11 +2,11 @@
 
     python benchmarks/fuzz_files.py --count 100000 FILE...
 
-Seeds are the given files (`.pomdp`, `.pomdpx`, `.policyx`, `.coadapt`) or, where a file is larger
-than ``--largest`` bytes, nothing. Every mutation is read in a child process whose memory is
-limited; a child reads a batch, and the parent notices if it dies or takes too long. Prints the
-number of problems and errors for each format and exits with 1 if anything else happened. What
-failed is kept in ``--keep``.
+Seeds are the given files (`.pomdp`, `.pomdpx`, `.policyx`, `.coadapt`) of at most ``--largest``
+bytes; each format is as frequent as the others. What is read must also pass `check_momdp`. Every
+mutation is read in a child process whose memory is limited; a child reads a batch, and the parent
+notices if it dies or takes too long. Prints the number of problems and errors for each format and
+exits with 1 if anything else happened. What failed is kept in ``--keep``.
 """
 
 from __future__ import annotations
@@ -32,6 +32,9 @@ BATCH = 500
 
 LISTED = 20
 """Failures that are printed."""
+
+PROBLEMS = (".pomdp", ".pomdpx")
+"""Suffixes of problem files; the others are policies."""
 
 TOKENS = [
     b"*", b"-", b":", b"#", b"T", b"O", b"R", b"T:", b"O:", b"R:", b"identity", b"uniform",
@@ -86,7 +89,7 @@ def child(directory: Path, names: list[str]) -> None:
     import warnings
 
     from coadapt.errors import InputError
-    from coadapt.momdp import check_momdp
+    from coadapt.momdp import MOMDP, check_momdp
     from coadapt.momdp.check import MOMDPWarning
     from coadapt.momdp.files import read_policy, read_pomdp
 
@@ -97,20 +100,20 @@ def child(directory: Path, names: list[str]) -> None:
         path = directory / name
         start = time.perf_counter()
         try:
-            if path.suffix in (".pomdp", ".pomdpx"):
-                problem = read_pomdp(path)
-                seconds = time.perf_counter() - start
-                check_momdp(problem)
-            else:
-                read_policy(path)
-                seconds = time.perf_counter() - start
+            problem = read_pomdp(path) if path.suffix in PROBLEMS else read_policy(path)
+            seconds = time.perf_counter() - start
             outcome = "model"
         except InputError as error:
-            seconds = time.perf_counter() - start
+            problem, seconds = None, time.perf_counter() - start
             outcome = "error" if "\n" not in str(error) else "error of several lines"
         except Exception as error:
-            seconds = time.perf_counter() - start
+            problem, seconds = None, time.perf_counter() - start
             outcome = f"{type(error).__name__}: {error}".replace("\n", " ")[:200]
+        try:
+            if isinstance(problem, MOMDP):
+                check_momdp(problem)
+        except Exception as error:
+            outcome = f"read, but {type(error).__name__}: {error}".replace("\n", " ")[:200]
         print(f"{name}\t{seconds:.3f}\t{outcome}", flush=True)
 
 
@@ -159,6 +162,7 @@ def main() -> int:
     options = parser.parse_args()
     seeds = [(p, p.read_bytes()) for p in options.seeds]
     seeds = [(p, data) for p, data in seeds if 0 < len(data) <= options.largest]
+    formats = sorted({p.suffix for p, _ in seeds})
     if not seeds:
         parser.error("no seed file is small enough")
     rng = random.Random(options.seed)
@@ -169,7 +173,8 @@ def main() -> int:
         while done < options.count:
             files: dict[str, bytes] = {}
             for i in range(min(BATCH, options.count - done)):
-                path, data = rng.choice(seeds)
+                suffix = rng.choice(formats)
+                path, data = rng.choice([seed for seed in seeds if seed[0].suffix == suffix])
                 files[f"{done + i}{path.suffix}"] = mutated(data, rng)
             failures: list[str] = []
             slowest = max(slowest, run_batch(directory, files, outcomes, failures))
