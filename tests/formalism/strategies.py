@@ -12,8 +12,8 @@ from tests.worlds.strategies import worlds
 
 
 @st.composite
-def models(draw: st.DrawFn, *, states: int = 6, goals: int = 4) -> SharedAutonomy:
-    """Everything random: world, adaptability with prior and transition, policies, costs."""
+def models(draw: st.DrawFn, *, states: int = 6, goals: int = 4, memory: int = 1) -> SharedAutonomy:
+    """Everything random, with a memory of up to ``memory`` steps."""
     world = draw(worlds(states=states, goals=goals))
     levels = draw(st.integers(1, 3), label="levels of adaptability")
     fixed = draw(st.booleans(), label="adaptability is fixed")
@@ -25,6 +25,7 @@ def models(draw: st.DrawFn, *, states: int = 6, goals: int = 4) -> SharedAutonom
     values[-1] = 1.0 if zeros else values[-1]
     return SharedAutonomy(
         world,
+        memory=draw(st.integers(1, memory), label="memory"),
         adaptability=Adaptability.over(
             values.tolist(),
             prior=random_rows(rng, (levels,), 0.0).tolist(),

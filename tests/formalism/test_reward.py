@@ -14,7 +14,7 @@ from tests.formalism.strategies import models
 @given(models())
 def test_the_reward_is_that_of_the_paper(model: SharedAutonomy) -> None:
     world, perceived = model.world, model.perceived
-    found = reward(world, perceived, model.disagreement_cost)
+    found = reward(world, model.windows.state, perceived, model.disagreement_cost)
     modes = len(world.goals)
     for x, a, m_h in np.ndindex(world.states, world.actions, modes):
         if x in world.goal_states:
@@ -34,5 +34,5 @@ def test_disagreement_is_the_chance_of_another_mode() -> None:
 def test_reward_leaves_what_it_is_given_alone() -> None:
     world = table_clearing(3, 2)
     perceived = np.full((6, 3, 2), 0.5)
-    reward(world, perceived, -1.0)
+    reward(world, np.arange(6), perceived, -1.0)
     assert np.all(perceived == 0.5)

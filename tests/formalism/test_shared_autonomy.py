@@ -205,7 +205,8 @@ def test_one_way_is_a_stubborn_person_and_equal_goals() -> None:
     ("parameters", "message"),
     [
         (dict(memory=0), "memory"),
-        (dict(memory=2), "memory"),
+        (dict(memory=101), "memory"),
+        (dict(memory=20), "a memory of 20 steps makes more than 2,000,000 windows"),
         (dict(disagreement_cost=0.1), "disagreement cost"),
         (dict(disagreement_cost=float("nan")), "disagreement cost"),
         # It would make the reward of perfect agreement -inf * 0, which is no number.

@@ -27,7 +27,11 @@ def model() -> SharedAutonomy:
 def build(model: SharedAutonomy) -> MOMDP:
     one_way = model.one_way()
     return goal_problem(
-        one_way.world, one_way.modal_policies, one_way.disagreement_cost, one_way.discount
+        one_way.world,
+        one_way.windows,
+        one_way.modal_policies,
+        one_way.disagreement_cost,
+        one_way.discount,
     )
 
 
@@ -74,9 +78,10 @@ def test_robot_that_complies_is_noticed(model: SharedAutonomy) -> None:
     assert identity.optimal_goal < 0.9
 
 
-def test_one_way_robot_of_another_world_is_the_goal_planner() -> None:
-    model = SharedAutonomy(table_clearing(7, 3), discount=0.9, step_cost=2.0)
-    assert one_way_is_goal_planning(model).holds
+@pytest.mark.parametrize("memory", [1, 3])
+def test_one_way_robot_of_another_world_is_the_goal_planner(memory: int) -> None:
+    model = SharedAutonomy(table_clearing(7, 3), memory=memory, discount=0.9, step_cost=2.0)
+    assert one_way_is_goal_planning(model, 1e-6).holds
 
 
 def test_goal_planner_follows_bayes_rule(model: SharedAutonomy) -> None:

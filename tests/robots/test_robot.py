@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from dataclasses import replace
 
 import numpy as np
 import pytest
@@ -23,15 +24,22 @@ from tests.momdp.problems import known_hidden_policy
 from tests.momdp.strategies import random_rows
 
 TABLE = ca.SharedAutonomy(ca.worlds.table_clearing(5, 3))
+THREE = replace(TABLE, memory=3)
 POLICY = known_hidden_policy(TABLE.to_momdp())
 ONE_WAY_POLICY = known_hidden_policy(TABLE.one_way().to_momdp())
+THREE_POLICY = known_hidden_policy(THREE.to_momdp(), sweeps=60)
+THREE_ONE_WAY_POLICY = known_hidden_policy(THREE.one_way().to_momdp(), sweeps=60)
 
 ROBOTS: list[Callable[[], Robot]] = [
     lambda: NoAdaptation(TABLE),
     lambda: MutualAdaptation(TABLE, POLICY, MatchRule(0.8)),
     lambda: OneWayAdaptation(TABLE, ONE_WAY_POLICY, MatchRule(0.8)),
+    lambda: NoAdaptation(THREE),
+    lambda: MutualAdaptation(THREE, THREE_POLICY, MatchRule(0.8)),
+    lambda: OneWayAdaptation(THREE, THREE_ONE_WAY_POLICY, MatchRule(0.8)),
 ]
-robots = pytest.mark.parametrize("make", ROBOTS, ids=["no", "mutual", "one-way"])
+IDS = [f"{name}-{memory}" for memory in (1, 3) for name in ("no", "mutual", "one-way")]
+robots = pytest.mark.parametrize("make", ROBOTS, ids=IDS)
 
 
 def run(robot: Robot, inputs: list[int | None]) -> list[Decision]:
@@ -48,8 +56,17 @@ def run(robot: Robot, inputs: list[int | None]) -> list[Decision]:
 
 def equal(one: Decision, other: Decision) -> bool:
     return (
-        (one.state, one.human_input, one.action, one.planned, one.agreement, one.matched)
+        (
+            one.window,
+            one.state,
+            one.human_input,
+            one.action,
+            one.planned,
+            one.agreement,
+            one.matched,
+        )
         == (
+            other.window,
             other.state,
             other.human_input,
             other.action,
@@ -68,7 +85,7 @@ INPUTS: list[int | None] = [1, 0, None, 0, 1, 0, 0, 2, 0]
 @robots
 def test_names_and_models(make: Callable[[], Robot]) -> None:
     robot = make()
-    assert robot.model is TABLE
+    assert robot.model is TABLE or robot.model is THREE
     assert robot.planning_model.world.states == TABLE.world.states
     assert (
         robot.name
@@ -128,7 +145,7 @@ def test_an_episode_goes_on_anywhere_from_the_forecast(make: Callable[[], Robot]
     decisions = run(make(), INPUTS)
     for i in range(1, len(decisions)):
         robot = make()
-        robot.reset(decisions[i - 1].forecast)
+        robot.reset(decisions[i - 1].forecast, decisions[i].window)
         again = [robot.decide(d.state, d.human_input) for d in decisions[i:]]
         assert all(map(equal, decisions[i:], again))
 
@@ -138,17 +155,18 @@ def test_an_episode_goes_on_anywhere_from_the_forecast(make: Callable[[], Robot]
 def test_many_decisions_are_those_one_by_one(make: Callable[[], Robot], seed: int) -> None:
     robot, rng, n = make(), np.random.default_rng(seed), 8
     world, shape = robot.model.world, robot.planning_model.prior.shape
-    free = [s for s in range(world.states) if s not in world.goal_states]
-    states = rng.choice(free, size=n)
+    end = robot.model.windows.state
+    free = [w for w in range(len(end)) if end[w] not in world.goal_states]
+    windows = rng.choice(free, size=n)
     inputs = rng.integers(NO_INPUT, world.actions, size=n)
     beliefs = random_rows(rng, (n, shape[0] * shape[1]), 0.4).reshape(n, *shape)
-    decisions = robot.decide_many(states, inputs, beliefs)
+    decisions = robot.decide_many(windows, inputs, beliefs)
     assert len(decisions) == n
     for i in range(n):
-        robot.reset(beliefs[i])
+        robot.reset(beliefs[i], int(windows[i]))
         human_input = None if inputs[i] == NO_INPUT else int(inputs[i])
-        alone = robot.decide(int(states[i]), human_input)
-        assert (alone.state, alone.human_input) == (states[i], human_input)
+        alone = robot.decide(int(end[windows[i]]), human_input)
+        assert (alone.state, alone.human_input) == (end[windows[i]], human_input)
         assert equal(decisions[i], alone)
 
 
@@ -179,3 +197,26 @@ def test_action_values_have_one_entry_for_each_action(make: Callable[[], Robot])
     robot = make()
     decision = robot.decide(TABLE.world.start, 1)
     assert robot.action_values(decision).shape == (3,)
+
+
+def test_the_window_slides_with_the_executed_actions() -> None:
+    robot = MutualAdaptation(THREE, THREE_POLICY, MatchRule(0.8))
+    decisions = run(robot, INPUTS)
+    assert len(decisions) > 3
+    for i, decision in enumerate(decisions):
+        taken = [d.action for d in decisions[max(0, i - 2) : i]]
+        kept = THREE.windows.actions[decision.window]
+        assert kept[kept >= 0].tolist() == taken
+        assert THREE.windows.first[decision.window] == decisions[max(0, i - 2)].state
+
+
+def test_with_several_steps_a_state_must_follow_from_the_last_action() -> None:
+    robot = MutualAdaptation(THREE, THREE_POLICY)
+    with pytest.raises(ValueError, match="state 7 does not follow from the last action"):
+        robot.act(7, 0)
+    start = THREE.world.start
+    first = robot.decide(start, 0)
+    # Put back to the start: the person's memory begins anew, the robot's belief goes on.
+    again = robot.decide(start, 0)
+    assert again.window == first.window
+    assert not np.array_equal(again.belief, first.belief)

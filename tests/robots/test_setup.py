@@ -77,6 +77,8 @@ def test_what_progress_raises_ends_the_planning() -> None:
         ("columns", 10**9),
         ("rows", 0),
         ("left_reward", float("nan")),
+        ("memory", 0),
+        ("memory", 101),
         ("right_reward", float("inf")),
         ("adaptability", ()),
         ("adaptability", (0.5, 0.5)),
@@ -99,6 +101,14 @@ def test_what_cannot_be_used_is_named(field: str, value: object) -> None:
         RobotSetup(**{field: value})  # pyright: ignore
     assert caught.value.field == field
     assert isinstance(caught.value, InputError)
+
+
+def test_a_memory_that_makes_too_many_windows() -> None:
+    # About 52 * 3^9 of them; see tests/human/test_history.py.
+    with pytest.raises(SetupError, match=r"memory must be so short that .* windows") as caught:
+        RobotSetup(memory=10).model()
+    assert caught.value.field == "memory"
+    assert RobotSetup(memory=4).model().memory == 4
 
 
 def test_a_step_cost_for_which_paths_have_no_distribution() -> None:

@@ -34,22 +34,23 @@ class Sums:
 
 def enumerate_trajectories(robot: Robot, partner: SimulatedPartner, longest: int) -> Sums:
     """Every sequence of modes and inputs of up to ``longest`` steps, one by one."""
-    model, world = robot.model, robot.model.world
+    model, world, windows = robot.model, robot.model.world, robot.model.windows
     sums = Sums(np.zeros(len(world.goals)), occupancy=[0.0] * longest)
 
-    def go(state: int, mode: int, belief: FloatArray, chance: float, step: int) -> None:
+    def go(window: int, mode: int, belief: FloatArray, chance: float, step: int) -> None:
         if chance == 0:
             return
         if step == longest:
             sums.going += chance
             return
+        state = int(windows.state[window])
         for human_input in range(world.actions):
             now = chance * float(model.modal_policies[mode, state, human_input])
             if now == 0:
                 continue
-            robot.reset(belief)
+            robot.reset(belief, window)
             decision = robot.decide(state, human_input)
-            perceived = model.perceived[state, decision.action]
+            perceived = model.perceived[window, decision.action]
             seen = sum(perceived[m_r] for m_r in range(len(perceived)) if m_r != mode)
             sums.occupancy[step] += now
             sums.steps += now
@@ -67,17 +68,18 @@ def enumerate_trajectories(robot: Robot, partner: SimulatedPartner, longest: int
                 # Eq. 3-4 written out.
                 moves = partner.adaptability * float(perceived[mode_next])
                 moves += (1 - partner.adaptability) * (mode_next == mode)
-                go(following, mode_next, decision.forecast, now * moves, step + 1)
+                later = int(windows.next[window, decision.action])
+                go(later, mode_next, decision.forecast, now * moves, step + 1)
 
     robot.reset()
     prior = robot.belief
     for mode, chance in enumerate(partner.mode_distribution(model)):
-        go(world.start, mode, prior, float(chance), 0)
+        go(int(windows.beginning[world.start]), mode, prior, float(chance), 0)
     return sums
 
 
 @given(
-    models(states=4, goals=2),
+    models(states=4, goals=2, memory=3),
     st.sampled_from((0.0, 0.3, 1.0)),
     st.sampled_from((0.5, 0.9)),
     st.integers(1, 4),
@@ -101,14 +103,17 @@ def test_it_sums_over_all_hidden_trajectories(
 
 
 TABLE = ca.SharedAutonomy(ca.worlds.table_clearing(7, 3), discount=0.9)
+THREE = replace(TABLE, memory=3, disagreement_cost=-1.0)
 ROBOTS: list[Robot] = [
     MutualAdaptation(TABLE, known_hidden_policy(TABLE.to_momdp())),
     OneWayAdaptation(TABLE, known_hidden_policy(TABLE.one_way().to_momdp())),
     NoAdaptation(TABLE),
+    MutualAdaptation(THREE, known_hidden_policy(THREE.to_momdp(), sweeps=60)),
 ]
+IDS = [f"{robot.name}-{robot.model.memory}" for robot in ROBOTS]
 
 
-@pytest.mark.parametrize("robot", ROBOTS, ids=lambda robot: robot.name)
+@pytest.mark.parametrize("robot", ROBOTS, ids=IDS)
 @pytest.mark.parametrize("partner", [SimulatedPartner(0.0, LOW), SimulatedPartner(0.6)], ids=str)
 def test_simulation_agrees_within_four_standard_errors(
     robot: Robot, partner: SimulatedPartner
@@ -122,11 +127,11 @@ def test_simulation_agrees_within_four_standard_errors(
         "disagreement": [e.disagreement for e in episodes],
         "overridden": [e.overridden for e in episodes],
         "discounted_return": [
-            TABLE.discount**e.steps * e.reward
+            robot.model.discount**e.steps * e.reward
             + sum(
-                TABLE.discount**t
-                * TABLE.disagreement_cost
-                * (1 - TABLE.perceived[d.state, d.action, m])
+                robot.model.discount**t
+                * robot.model.disagreement_cost
+                * (1 - robot.model.perceived[d.window, d.action, m])
                 for t, (d, m) in enumerate(zip(e.decisions, e.modes, strict=True))
             )
             for e in episodes
@@ -140,7 +145,7 @@ def test_simulation_agrees_within_four_standard_errors(
         assert abs(share - chance) <= 4 * np.sqrt(chance * max(0.0, 1 - chance) / n) + 1e-4
 
 
-@pytest.mark.parametrize("robot", ROBOTS, ids=lambda robot: robot.name)
+@pytest.mark.parametrize("robot", ROBOTS, ids=IDS)
 def test_probabilities_sum_to_one(robot: Robot) -> None:
     partners = [SimulatedPartner(0.0, LOW), SimulatedPartner(0.5)]
     arrived = np.zeros(2)

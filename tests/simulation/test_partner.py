@@ -58,7 +58,7 @@ def test_draws_have_the_distribution(count: int, seed: int) -> None:
     expect_frequencies([draw(chance, rng) for _ in range(DRAWS)], chance)
 
 
-@given(models(), st.floats(0, 1), st.integers(0, 2**32))
+@given(models(memory=3), st.floats(0, 1), st.integers(0, 2**32))
 @settings(max_examples=10)
 def test_inputs_and_modes_have_the_distributions_of_the_model(
     model: SharedAutonomy, alpha: float, seed: int
@@ -66,7 +66,8 @@ def test_inputs_and_modes_have_the_distributions_of_the_model(
     rng = np.random.default_rng(seed)
     partner = SimulatedPartner(alpha)
     world, modes = model.world, len(model.world.goals)
-    state, action = int(rng.integers(world.states)), int(rng.integers(world.actions))
+    window, action = int(rng.integers(len(model.windows))), int(rng.integers(world.actions))
+    state = int(model.windows.state[window])
     mode = int(rng.integers(modes))
     assert model.mode_prior is not None
     first = [partner.first_mode(model, rng) for _ in range(DRAWS)]
@@ -74,8 +75,8 @@ def test_inputs_and_modes_have_the_distributions_of_the_model(
     inputs = [partner.act(model, state, mode, rng) for _ in range(DRAWS)]
     expect_frequencies(inputs, model.modal_policies[mode, state])
     # Eq. 3-4, tested by itself in tests/human/test_adaptation.py.
-    moves = mode_transition(alpha, model.perceived[state, action])[mode]
-    found = [partner.next_mode(model, state, mode, action, rng) for _ in range(DRAWS)]
+    moves = mode_transition(alpha, model.perceived[window, action])[mode]
+    found = [partner.next_mode(model, window, mode, action, rng) for _ in range(DRAWS)]
     expect_frequencies(found, moves)
 
 

@@ -78,7 +78,7 @@ class Script:
         return self.inputs[mode]
 
     def next_mode(
-        self, model: SharedAutonomy, state: int, mode: int, action: int, rng: np.random.Generator
+        self, model: SharedAutonomy, window: int, mode: int, action: int, rng: np.random.Generator
     ) -> int:
         return (mode + 1) % len(self.inputs)
 

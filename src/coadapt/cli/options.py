@@ -33,6 +33,7 @@ SETUP_OPTIONS: tuple[tuple[str, Any, object, str], ...] = (
     ("rows", int, 4, "Depth of the grid in cells."),
     ("left_reward", float, 10.0, "Reward of the left goal."),
     ("right_reward", float, 11.0, "Reward of the right goal."),
+    ("memory", int, 1, "Steps from which the person infers the robot's goal."),
     ("adaptability", numbers, (0.0, 0.25, 0.5, 0.75, 1.0), "Values of alpha, increasing."),
     ("disagreement_cost", float, -0.32, "Penalty C of a step in disagreement, at most 0."),
     ("discount", float, 0.99, "Discount per step."),

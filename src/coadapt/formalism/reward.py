@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from coadapt.arrays import FloatArray
+from coadapt.arrays import FloatArray, IntArray
 from coadapt.worlds import World
 
 
@@ -20,19 +20,22 @@ def disagreement(perceived: FloatArray) -> FloatArray:
     return 1.0 - perceived
 
 
-def reward(world: World, perceived: FloatArray, disagreement_cost: float) -> FloatArray:
-    """``R(x, m_h, a_r)``, Eq. 6.
+def reward(
+    world: World, states: IntArray, perceived: FloatArray, disagreement_cost: float
+) -> FloatArray:
+    """``R(x, m_h, a_r)``, Eq. 6, where ``x`` is the window of the last ``k`` steps.
 
     Args:
         world: gives ``R_goal`` in its goal states.
-        perceived: ``[X, A, M]``, Eq. 2.
+        states: ``[W]`` the robot state of each window.
+        perceived: ``[W, A, M]``, Eq. 2.
         disagreement_cost: ``C <= 0`` of Eq. 8.
 
     Returns:
-        ``[X, A, M]``: ``R_goal`` in a goal state whatever the action, and elsewhere
+        ``[W, A, M]``: ``R_goal`` in a goal state whatever the action, and elsewhere
         ``R_other = sum_{m_r} R_m(m_h, m_r) P(m_r | x, a_r)`` of Eq. 7.
     """
     rewards = disagreement_cost * disagreement(perceived)
     for goal in world.goals:
-        rewards[goal.state] = goal.reward
+        rewards[states == goal.state] = goal.reward
     return np.ascontiguousarray(rewards)

@@ -1,7 +1,8 @@
 """Shared autonomy as a mixed-observability MDP (Sec. 5.1).
 
-Observed is the robot state, ``X = X_r`` (a memory of one step keeps the current action alone).
-Hidden are the person's adaptability and mode, ``Y = A x M`` with index ``y = alpha * |M| + m``.
+Observed is the window of the robot's last ``k`` steps, which ends in its state: what the person
+remembers (`coadapt.human.history`). With a memory of one step ``X = X_r``. Hidden are the person's
+adaptability and mode, ``Y = A x M`` with index ``y = alpha * |M| + m``.
 """
 
 from __future__ import annotations
@@ -16,6 +17,7 @@ from coadapt.arrays import FloatArray, IntArray
 from coadapt.formalism.reward import reward
 from coadapt.human import filter as human_filter
 from coadapt.human.adaptation import Adaptability, require_distribution
+from coadapt.human.history import NO_ACTION, Windows
 from coadapt.human.modal import maximum_entropy_policy
 from coadapt.human.perceived import perceived_robot_mode
 from coadapt.momdp.model import MOMDP, Root
@@ -32,7 +34,8 @@ class SharedAutonomy:
 
     Attributes:
         world: states, moves, goals; one mode for each goal.
-        memory: the ``k`` last steps from which the person infers the robot's mode. Must be 1.
+        memory: the ``k`` last steps from which the person infers the robot's mode, the present one
+            among them; 1 to `coadapt.human.history.LONGEST_MEMORY`.
         adaptability: values of alpha (then with a uniform prior, fixed over time), or an
             `Adaptability` with a prior and transition of its own.
         mode_prior: ``[M]`` belief over the person's first mode; uniform by default.
@@ -57,8 +60,6 @@ class SharedAutonomy:
     policies: FloatArray | None = None
 
     def __post_init__(self) -> None:
-        if self.memory != 1:
-            raise ValueError(f"memory must be 1 step, not {self.memory}")
         if not -np.inf < self.disagreement_cost <= 0:
             raise ValueError(f"disagreement cost must be at most 0, not {self.disagreement_cost}")
         if not 0 <= self.discount < 1:
@@ -68,7 +69,7 @@ class SharedAutonomy:
             require_distribution("policies", self.policies, shape)
         # The derived pieces refuse bad values; compute the cheap ones now, so that errors surface
         # where the model is made.
-        _ = self.alpha, self.prior
+        _ = self.alpha, self.prior, self.windows
 
     @cached_property
     def alpha(self) -> Adaptability:
@@ -98,18 +99,21 @@ class SharedAutonomy:
         )
 
     @cached_property
+    def windows(self) -> Windows:
+        """What the person may remember: the observed states of the planning problem."""
+        world = self.world
+        ends = np.isin(np.arange(world.states), world.goal_states)
+        return Windows.of(world.moves, world.start, ends, self.memory)
+
+    @cached_property
     def perceived(self) -> FloatArray:
-        """``[X, A, M]``: ``P(m_r | x, a_r)``, Eq. 2."""
-        states, actions = self.world.moves.shape
-        # A window of one step for every state and action: [X, 1, 1] and [1, A, 1].
-        window_states = np.arange(states, dtype=np.int64)[:, None, None]
-        window_actions = np.arange(actions, dtype=np.int64)[None, :, None]
-        return perceived_robot_mode(self.modal_policies, window_states, window_actions)
+        """``[W, A, M]``: ``P(m_r | w, a_r)`` in window ``w``, Eq. 2."""
+        return perceived_robot_mode(self.modal_policies, self.windows.steps(self.world.moves))
 
     @cached_property
     def reward(self) -> FloatArray:
-        """``[X, A, M]``: ``R(x, m_h, a_r)``, Eq. 6-8."""
-        return reward(self.world, self.perceived, self.disagreement_cost)
+        """``[W, A, M]``: ``R(w, m_h, a_r)``, Eq. 6-8."""
+        return reward(self.world, self.windows.state, self.perceived, self.disagreement_cost)
 
     @cached_property
     def prior(self) -> FloatArray:
@@ -121,28 +125,31 @@ class SharedAutonomy:
 
     @cached_property
     def input_likelihood(self) -> FloatArray:
-        """``[X, A_h, M]``: ``O(a_h | m, x)`` of Sec. 5.1."""
+        """``[X_r, A_h, M]``: ``O(a_h | m, x_r)`` of Sec. 5.1, by robot state."""
         return np.ascontiguousarray(np.moveaxis(self.modal_policies, 0, -1))
 
     def correct(
-        self, belief: FloatArray, state: int | IntArray, human_input: int | IntArray
+        self, belief: FloatArray, window: int | IntArray, human_input: int | IntArray
     ) -> FloatArray:
-        """The belief ``[A, M]`` after the person's input in ``state`` (Eq. 5).
+        """The belief ``[A, M]`` after the person's input in ``window`` (Eq. 5).
 
-        Arrays ``[N]`` of states and inputs go with beliefs ``[N, A, M]``.
+        Arrays ``[N]`` of windows and inputs go with beliefs ``[N, A, M]``.
         """
+        state = self.windows.state[window]
         return human_filter.correct(belief, self.input_likelihood[state, human_input])
 
     def predict(
-        self, belief: FloatArray, state: int | IntArray, action: int | IntArray
+        self, belief: FloatArray, window: int | IntArray, action: int | IntArray
     ) -> FloatArray:
-        """The belief ``[A, M]`` after the robot took ``action`` in ``state`` (Eq. 9).
+        """The belief ``[A, M]`` after the robot took ``action`` in ``window`` (Eq. 9).
 
-        Arrays ``[N]`` of states and actions go with beliefs ``[N, A, M]``.
+        Arrays ``[N]`` of windows and actions go with beliefs ``[N, A, M]``.
         """
         alpha = self.alpha
         transition = None if alpha.is_fixed else alpha.transition
-        return human_filter.predict(belief, alpha.values, self.perceived[state, action], transition)
+        return human_filter.predict(
+            belief, alpha.values, self.perceived[window, action], transition
+        )
 
     def one_way(self) -> SharedAutonomy:
         """The one-way model of Sec. 6.1: alpha fixed to 0 and equal rewards at all goals."""
@@ -153,19 +160,19 @@ class SharedAutonomy:
     def to_momdp(self) -> MOMDP:
         """The planning problem: ``{X, Y, A_r, T_x, T_alpha, T_mh, R, Omega, O}``.
 
-        Its roots are the prior conditioned on each possible first input in the start state.
+        Observed states are the `windows`. The roots are the prior conditioned on each possible
+        first input in the start state.
         """
-        world, alpha = self.world, self.alpha
-        states, actions = world.moves.shape
+        world, alpha, windows = self.world, self.alpha, self.windows
+        actions = world.actions
         count, modes = self.prior.shape
-        every_state = np.arange(states, dtype=np.int64)
-        ends = np.isin(every_state, world.goal_states)
+        ends = np.isin(windows.state, world.goal_states)
         targets, which = np.unique(self.perceived.reshape(-1, modes), axis=0, return_inverse=True)
         going_on = np.repeat(~ends, actions)
         inputs = np.moveaxis(self.input_likelihood, 2, 1)  # [X, M, A_h]
         return MOMDP(
             edge_start=np.concatenate(([0], np.cumsum(going_on))),
-            edge_next=world.moves.ravel()[going_on],
+            edge_next=windows.next.ravel()[going_on],
             edge_map=which.ravel()[going_on],
             transition=JumpTransition(
                 rate=np.repeat(alpha.values[:, None], modes, axis=1),
@@ -173,11 +180,11 @@ class SharedAutonomy:
                 mixing=None if alpha.is_fixed else alpha.transition,
             ),
             observation=np.ascontiguousarray(np.tile(inputs, (1, count, 1))),
-            observation_index=np.tile(every_state, (actions, 1)),
+            observation_index=np.tile(windows.state, (actions, 1)),
             reward=np.tile(self.reward, (1, 1, count)),
             discount=self.discount,
             roots=self._roots(),
-            observed_names=world.state_names,
+            observed_names=self._window_names(),
             hidden_names=tuple(
                 f"alpha={a:g} {mode}" for a in alpha.values for mode in self.mode_names
             ),
@@ -185,12 +192,23 @@ class SharedAutonomy:
             observation_names=world.action_names,
         )
 
+    def _window_names(self) -> tuple[str, ...]:
+        """The first state of each window and the actions since."""
+        world, windows = self.world, self.windows
+        names: list[str] = [world.state_names[first] for first in map(int, windows.first)]
+        for i in range(self.memory - 1):
+            taken = map(int, windows.actions[:, i])
+            more = [f", {world.action_names[a]}" if a != NO_ACTION else "" for a in taken]
+            names = [name + added for name, added in zip(names, more, strict=True)]
+        return tuple(names)
+
     def _roots(self) -> tuple[Root, ...]:
         roots: list[Root] = []
+        start = int(self.windows.beginning[self.world.start])
         for human_input, name in enumerate(self.world.action_names):
             likelihood = self.input_likelihood[self.world.start, human_input]
             probability = float((self.prior * likelihood).sum())
             if probability > 0:
                 belief = human_filter.correct(self.prior, likelihood).ravel()
-                roots.append(Root(self.world.start, belief, probability, name))
+                roots.append(Root(start, belief, probability, name))
         return tuple(roots)

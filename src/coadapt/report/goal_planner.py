@@ -9,60 +9,69 @@ from __future__ import annotations
 import numpy as np
 
 from coadapt.arrays import FloatArray, IntArray
+from coadapt.human.history import Windows
 from coadapt.momdp.model import MOMDP, Root
 from coadapt.momdp.policy import AlphaVectorPolicy
 from coadapt.worlds import World
 
 
 def goal_problem(
-    world: World, policies: FloatArray, disagreement_cost: float, discount: float
+    world: World, windows: Windows, policies: FloatArray, disagreement_cost: float, discount: float
 ) -> MOMDP:
     """Assistance towards one of the goals of ``world``, each worth as much as the best.
 
-    Hidden is the goal ``g``, uniform at first and constant: ``T_y`` is the identity. The person's
-    input in ``x`` is drawn from ``pi_g(. | x)``. A goal state pays the goals' common reward; else
+    Observed is the window ``w`` of the last steps, which ends in robot state ``x``. Hidden is the
+    goal ``g``, uniform at first and constant: ``T_y`` is the identity. The person's input in ``x``
+    is drawn from ``pi_g(. | x)``. A goal state pays the goals' common reward; else
 
-        R(x, g, a) = sum_{m_r} R_m(g, m_r) P(m_r | x, a),   R_m = 0 if m_r = g else C   (Eq. 7-8)
-        P(m_r | x, a) = pi_{m_r}(a | x) / sum_m pi_m(a | x)                             (Eq. 2)
+        R(w, g, a) = sum_{m_r} R_m(g, m_r) P(m_r | w, a),   R_m = 0 if m_r = g else C   (Eq. 7-8)
+        P(m_r | w, a) = eta prod_i pi_{m_r}(a^i | x^i) over the steps of w, a           (Eq. 2)
 
     Args:
         world: states, moves, goals.
+        windows: what a person may remember.
         policies: ``[G, X, A]`` modal policies ``pi_g(a | x)``.
         disagreement_cost: ``C``.
         discount: gamma.
     """
-    states, actions = world.moves.shape
+    states, actions = len(windows), world.actions
     goals = len(world.goals)
-    moves = np.zeros((states, actions, states))  # [X, A, X']
-    reward = np.zeros((states, actions, goals))  # [X, A, G]
-    for x in range(states):
+    best = max(goal.reward for goal in world.goals)
+    moves = np.zeros((states, actions, states))  # [W, A, W']
+    reward = np.zeros((states, actions, goals))  # [W, A, G]
+    for w in range(states):
+        x, past = int(windows.first[w]), [int(a) for a in windows.actions[w] if a >= 0]
+        likelihood = [1.0] * goals
+        for a in past:
+            likelihood = [likelihood[m] * policies[m, x, a] for m in range(goals)]
+            x = int(world.moves[x, a])
         for a in range(actions):
-            moves[x, a, world.moves[x, a]] = 1.0
-            total = sum(policies[m, x, a] for m in range(goals))
+            moves[w, a, windows.next[w, a]] = 1.0
+            weight = [likelihood[m] * policies[m, x, a] for m in range(goals)]
+            total = sum(weight)
             for g in range(goals):
                 for m_r in range(goals):
-                    seen = policies[m_r, x, a] / total if total > 0 else 1.0 / goals
-                    reward[x, a, g] += (0.0 if m_r == g else disagreement_cost) * seen
-    best = max(goal.reward for goal in world.goals)
-    for goal in world.goals:
-        reward[goal.state] = best
+                    seen = weight[m_r] / total if total > 0 else 1.0 / goals
+                    reward[w, a, g] += (0.0 if m_r == g else disagreement_cost) * seen
+        if x in world.goal_states:
+            reward[w] = best
     inputs = np.moveaxis(policies, 0, 1)  # [X, G, A_h]
+    start = int(windows.beginning[world.start])
     roots: list[Root] = []
     for human_input in range(actions):
         joint = inputs[world.start, :, human_input] / goals
         if joint.sum() > 0:
             belief = joint / joint.sum()
             name = world.action_names[human_input]
-            roots.append(Root(world.start, belief, float(joint.sum()), name))
+            roots.append(Root(start, belief, float(joint.sum()), name))
     return MOMDP.from_arrays(
         transition_x=moves,
         transition_y=np.broadcast_to(np.eye(goals), (states, actions, goals, goals)),
-        observation=np.tile(inputs, (actions, 1, 1, 1)),
+        observation=np.tile(inputs[windows.state], (actions, 1, 1, 1)),
         reward=reward,
         discount=discount,
         roots=roots,
-        terminal=world.goal_states,
-        observed_names=world.state_names,
+        terminal=np.flatnonzero(np.isin(windows.state, world.goal_states)).tolist(),
         hidden_names=[goal.name for goal in world.goals],
         action_names=world.action_names,
         observation_names=world.action_names,
@@ -92,6 +101,6 @@ class GoalPlanner:
         joint = belief * self.policies[:, states, inputs].T
         return joint / joint.sum(axis=1, keepdims=True)
 
-    def actions(self, states: IntArray, belief: FloatArray) -> IntArray:
-        """``[N]`` actions in ``states`` ``[N]`` under ``belief`` ``[N, G]``."""
-        return self.policy.actions_at(states, belief)
+    def actions(self, windows: IntArray, belief: FloatArray) -> IntArray:
+        """``[N]`` actions in ``windows`` ``[N]`` under ``belief`` ``[N, G]``."""
+        return self.policy.actions_at(windows, belief)

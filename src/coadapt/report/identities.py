@@ -124,7 +124,11 @@ def one_way_is_goal_planning(model: SharedAutonomy, likelihood: float = LIKELIHO
     one_way = model.one_way()
     ours = one_way.to_momdp()
     theirs = goal_problem(
-        one_way.world, one_way.modal_policies, one_way.disagreement_cost, one_way.discount
+        one_way.world,
+        one_way.windows,
+        one_way.modal_policies,
+        one_way.disagreement_cost,
+        one_way.discount,
     )
     policy = solve(theirs, TIGHT_GAP, MOST_BACKUPS).policy
     robot = OneWayAdaptation(model, solve(ours, TIGHT_GAP, MOST_BACKUPS).policy, NEVER_MATCH)
@@ -136,12 +140,12 @@ def one_way_is_goal_planning(model: SharedAutonomy, likelihood: float = LIKELIHO
     for visits in expand(pair, *partners, threshold=likelihood):
         taken = visits.decisions
         beliefs = taken.belief[:, 1]  # the planner's
-        wanted = planner.actions(taken.state, beliefs)
+        wanted = planner.actions(taken.window, beliefs)
         decisions += len(taken)
         apart = np.abs(taken.belief[:, 0] - beliefs).max(initial=0.0)
         belief_difference = max(belief_difference, float(apart))
         for i in np.flatnonzero(wanted != taken.action):
-            values = action_values(theirs, policy, int(taken.state[i]), beliefs[i])
+            values = action_values(theirs, policy, int(taken.window[i]), beliefs[i])
             loss = float(values.max() - values[taken.action[i]])
             other = float(values.max() - values[wanted[i]])
             differing += 1
@@ -179,7 +183,7 @@ def always_optimal(key: str, description: str, model: SharedAutonomy, gap: float
     shortest = int(steps[world.start])
     for visits in expand(robot, *partners, threshold=0.0, max_steps=shortest):
         taken = visits.decisions
-        wanted = fixed.decide_many(taken.state, taken.human_input, taken.belief).action
+        wanted = fixed.decide_many(taken.window, taken.human_input, taken.belief).action
         reached = world.moves[taken.state, taken.action]
         loss = _worth(model, steps[world.moves[taken.state, wanted]]) - _worth(
             model, steps[reached]
@@ -262,8 +266,8 @@ class _SideBySide:
     def belief(self) -> FloatArray:
         return self._belief
 
-    def reset(self, belief: FloatArray | None = None) -> None:
-        self._robot.reset(None if belief is None else belief[:1])
+    def reset(self, belief: FloatArray | None = None, window: int | None = None) -> None:
+        self._robot.reset(None if belief is None else belief[:1], window)
         both = np.concatenate([self._robot.belief, self._planner.prior[None]])
         self._belief = both if belief is None else belief
 
@@ -274,9 +278,10 @@ class _SideBySide:
         return self._robot.decide(state, human_input)
 
     def decide_many(
-        self, states: IntArray, human_inputs: IntArray, beliefs: FloatArray
+        self, windows: IntArray, human_inputs: IntArray, beliefs: FloatArray
     ) -> Decisions:
-        decisions = self._robot.decide_many(states, human_inputs, beliefs[:, :1])
+        decisions = self._robot.decide_many(windows, human_inputs, beliefs[:, :1])
+        states = self.model.windows.state[windows]
         planners = self._planner.correct(beliefs[:, 1], states, human_inputs)[:, None]
         return replace(
             decisions,

@@ -99,4 +99,5 @@ def _first(
 def _own_direction(robot: Robot, mode: int) -> int:
     """The action in the start state that tells most clearly of ``mode`` (Eq. 2)."""
     model = robot.model
-    return int(np.argmax(model.perceived[model.world.start, :, mode]))
+    start = model.windows.beginning[model.world.start]
+    return int(np.argmax(model.perceived[start, :, mode]))

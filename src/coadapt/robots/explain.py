@@ -71,7 +71,7 @@ def _too_unsure(robot: Robot, decision: Decision) -> str:
 def _aim(robot: Robot, decision: Decision) -> str:
     """What the planned action tells the person who watches (Eq. 2)."""
     model = robot.model
-    perceived = model.perceived[decision.state, decision.planned]
+    perceived = model.perceived[decision.window, decision.planned]
     mode = int(perceived.argmax())
     if perceived[mode] >= CLEAR_AIM:
         return f"heads for the {model.mode_names[mode]} goal"

@@ -44,33 +44,47 @@ class NoAdaptation:
         """``[A, M]`` the belief given at the start, by default the model's prior."""
         return self._belief
 
-    def reset(self, belief: FloatArray | None = None) -> None:
+    def reset(self, belief: FloatArray | None = None, window: int | None = None) -> None:
         """Begin an episode."""
         self._belief = self.model.prior if belief is None else belief
+        self._window = window
 
     def act(self, state: int, human_input: int | None) -> int:
         """The next action of a shortest path from ``state``; the input is not looked at.
 
         Raises:
-            ValueError: if state or input are out of range, or the state is a goal.
+            ValueError: see `Robot.act`.
         """
         return self.decide(state, human_input).action
 
     def decide(self, state: int, human_input: int | None) -> Decision:
         """As `act`, with the whole decision."""
-        return self.decide_many(*one_situation(self.model, state, human_input, self._belief))[0]
+        situation = one_situation(self.model, state, human_input, self._belief, self._window)
+        decision = self.decide_many(*situation)[0]
+        self._window = int(self.model.windows.next[decision.window, decision.action])
+        return decision
 
     def decide_many(
-        self, states: IntArray, human_inputs: IntArray, beliefs: FloatArray
+        self, windows: IntArray, human_inputs: IntArray, beliefs: FloatArray
     ) -> Decisions:
         """Decide in many situations at once, see `Robot.decide_many`."""
+        states = self.model.windows.state[windows]
         steps = self._distance[self.model.world.moves[states]]
         far = np.iinfo(np.int64).max
         action = np.argmin(np.where(steps == UNREACHABLE, far, steps), axis=-1)
-        perceived = self.model.perceived[states, action]
+        perceived = self.model.perceived[windows, action]
         agreement = (beliefs.sum(axis=-2) * perceived).sum(axis=-1)
-        never = np.zeros(len(states), dtype=np.bool_)
-        return Decisions(states, human_inputs, action, action, agreement, never, beliefs, beliefs)
+        return Decisions(
+            window=windows,
+            state=states,
+            human_input=human_inputs,
+            action=action,
+            planned=action,
+            agreement=agreement,
+            matched=np.zeros(len(windows), dtype=np.bool_),
+            belief=beliefs,
+            forecast=beliefs,
+        )
 
     def action_values(self, decision: Decision) -> FloatArray:
         """``[A_r]`` discounted reward of the optimal goal after each action."""

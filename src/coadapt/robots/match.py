@@ -21,7 +21,7 @@ class MatchRule:
     threshold: float = 0.9
 
     def agreement(self, mode_belief: FloatArray, perceived: FloatArray) -> FloatArray:
-        """``[...]``: ``sum_m b(m) P(m_r = m | x, a_r)``.
+        """``[...]``: ``sum_m b(m) P(m_r = m | window, a_r)``.
 
         Args:
             mode_belief: ``[..., M]`` belief over the person's mode.

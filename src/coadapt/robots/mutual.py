@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import numpy as np
 
 from coadapt.arrays import FloatArray, IntArray
 from coadapt.formalism import SharedAutonomy
+from coadapt.momdp.model import MOMDP
 from coadapt.momdp.policy import AlphaVectorPolicy, action_values
 from coadapt.robots.match import MatchRule
 from coadapt.robots.robot import NO_INPUT, Decision, Decisions, one_situation
@@ -31,8 +34,12 @@ class MutualAdaptation:
         self.model = model
         self.policy = policy
         self.match_rule = MatchRule() if match_rule is None else match_rule
-        self._problem = model.to_momdp()
         self.reset()
+
+    @cached_property
+    def _problem(self) -> MOMDP:
+        """What the policy solves: needed for explanations, not for decisions."""
+        return self.model.to_momdp()
 
     @property
     def planning_model(self) -> SharedAutonomy:
@@ -44,28 +51,30 @@ class MutualAdaptation:
         """``[A, M]`` belief behind the last decision, or at the start of the episode."""
         return self._belief
 
-    def reset(self, belief: FloatArray | None = None) -> None:
+    def reset(self, belief: FloatArray | None = None, window: int | None = None) -> None:
         """Begin an episode from ``belief`` ``[A, M]``, by default the model's prior."""
         start = self.model.prior if belief is None else belief
         self._belief = self._forecast = start
+        self._window = window
 
     def act(self, state: int, human_input: int | None) -> int:
         """The action to execute in ``state`` after ``human_input``.
 
         Raises:
-            ValueError: if state or input are out of range, or the state is a goal.
+            ValueError: see `Robot.act`.
         """
         return self.decide(state, human_input).action
 
     def decide(self, state: int, human_input: int | None) -> Decision:
         """As `act`, with what led to it."""
-        situation = one_situation(self.model, state, human_input, self._forecast)
+        situation = one_situation(self.model, state, human_input, self._forecast, self._window)
         decision = self.decide_many(*situation)[0]
         self._belief, self._forecast = decision.belief, decision.forecast
+        self._window = int(self.model.windows.next[decision.window, decision.action])
         return decision
 
     def decide_many(
-        self, states: IntArray, human_inputs: IntArray, beliefs: FloatArray
+        self, windows: IntArray, human_inputs: IntArray, beliefs: FloatArray
     ) -> Decisions:
         """Decide in many situations at once, see `Robot.decide_many`.
 
@@ -73,17 +82,26 @@ class MutualAdaptation:
         """
         model = self.model
         given = human_inputs != NO_INPUT
-        corrected = model.correct(beliefs, states, human_inputs)
+        corrected = model.correct(beliefs, windows, human_inputs)
         belief = np.where(given[:, None, None], corrected, beliefs)
-        planned = self.policy.actions_at(states, belief.reshape(len(states), model.prior.size))
-        agreement = self.match_rule.agreement(belief.sum(axis=-2), model.perceived[states, planned])
+        planned = self.policy.actions_at(windows, belief.reshape(len(windows), model.prior.size))
+        perceived = model.perceived[windows, planned]
+        agreement = self.match_rule.agreement(belief.sum(axis=-2), perceived)
         matched = self.match_rule.fires(agreement, human_inputs)
         action = np.where(matched, human_inputs, planned)
-        forecast = model.predict(belief, states, action)
+        forecast = model.predict(belief, windows, action)
         return Decisions(
-            states, human_inputs, action, planned, agreement, matched, belief, forecast
+            window=windows,
+            state=model.windows.state[windows],
+            human_input=human_inputs,
+            action=action,
+            planned=planned,
+            agreement=agreement,
+            matched=matched,
+            belief=belief,
+            forecast=forecast,
         )
 
     def action_values(self, decision: Decision) -> FloatArray:
         """``[A_r]`` value of each action by one step of look-ahead to the policy's value."""
-        return action_values(self._problem, self.policy, decision.state, decision.belief.ravel())
+        return action_values(self._problem, self.policy, decision.window, decision.belief.ravel())

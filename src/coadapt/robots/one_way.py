@@ -53,9 +53,9 @@ class OneWayAdaptation:
         """``[1, M]`` belief behind the last decision, or at the start of the episode."""
         return self._robot.belief
 
-    def reset(self, belief: FloatArray | None = None) -> None:
+    def reset(self, belief: FloatArray | None = None, window: int | None = None) -> None:
         """Begin an episode from ``belief`` ``[1, M]``, by default the model's prior."""
-        self._robot.reset(belief)
+        self._robot.reset(belief, window)
 
     def act(self, state: int, human_input: int | None) -> int:
         """The action to execute, see `MutualAdaptation.act`."""
@@ -66,10 +66,10 @@ class OneWayAdaptation:
         return self._robot.decide(state, human_input)
 
     def decide_many(
-        self, states: IntArray, human_inputs: IntArray, beliefs: FloatArray
+        self, windows: IntArray, human_inputs: IntArray, beliefs: FloatArray
     ) -> Decisions:
         """Decide in many situations at once, see `Robot.decide_many`."""
-        return self._robot.decide_many(states, human_inputs, beliefs)
+        return self._robot.decide_many(windows, human_inputs, beliefs)
 
     def action_values(self, decision: Decision) -> FloatArray:
         """``[A_r]`` value of each action in the one-way model."""

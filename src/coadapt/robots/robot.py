@@ -19,17 +19,19 @@ class Decision:
     """One decision and what led to it.
 
     Attributes:
-        state: robot state in which it was taken.
+        window: index in ``model.windows`` of what the person remembered when it was taken.
+        state: robot state in which it was taken, the one in which the window ends.
         human_input: the person's input before it, or None.
         action: the action to execute.
         planned: the action of the policy, before the match rule.
-        agreement: ``sum_m b(m) P(m_r = m | x, planned)``, the confidence that the modes of human
-            and robot are the same, in [0, 1].
+        agreement: ``sum_m b(m) P(m_r = m | window, planned)``, the confidence that the modes of
+            human and robot are the same, in [0, 1].
         matched: whether the match rule replaced the planned action by the input.
         belief: ``[A, M]`` over adaptability and mode, all inputs so far considered.
         forecast: ``[A, M]`` the same carried through the robot's action, before the next input.
     """
 
+    window: int
     state: int
     human_input: int | None
     action: int
@@ -57,6 +59,7 @@ class Decisions:
     ``human_input`` is `NO_INPUT` where there was none.
     """
 
+    window: IntArray
     state: IntArray
     human_input: IntArray
     action: IntArray
@@ -72,6 +75,7 @@ class Decisions:
     def __getitem__(self, i: int) -> Decision:
         human_input = int(self.human_input[i])
         return Decision(
+            window=int(self.window[i]),
             state=int(self.state[i]),
             human_input=None if human_input == NO_INPUT else human_input,
             action=int(self.action[i]),
@@ -86,8 +90,8 @@ class Decisions:
 class Robot(Protocol):
     """A robot that decides from its state and the person's input, one step at a time.
 
-    All a robot remembers from step to step is its belief, so an episode can be continued
-    anywhere by ``reset(forecast)``.
+    All a robot remembers from step to step is its belief, and the window of its last steps that
+    the person remembers. So an episode can be continued anywhere by ``reset(forecast, window)``.
     """
 
     @property
@@ -110,22 +114,29 @@ class Robot(Protocol):
         """``[A, M]`` over adaptability and mode: behind the last decision, or at the start."""
         ...
 
-    def reset(self, belief: FloatArray | None = None) -> None:
-        """Begin an episode from ``belief`` of shape ``[A, M]``; from the model's prior if None."""
+    def reset(self, belief: FloatArray | None = None, window: int | None = None) -> None:
+        """Begin an episode, or continue one.
+
+        Args:
+            belief: ``[A, M]`` to begin with; the model's prior if None.
+            window: index in ``model.windows`` of what the person remembers; nothing if None.
+        """
         ...
 
     def act(self, state: int, human_input: int | None) -> int:
         """Decide.
 
         Args:
-            state: index of the robot state.
+            state: index of the robot state. Where it is not the one to which the last action led
+                the person's memory of earlier steps is taken to be lost.
             human_input: index of the person's input in this state, None where there was none.
 
         Returns:
             Index of the action to execute.
 
         Raises:
-            ValueError: if state or input are out of range, or the state is a goal.
+            ValueError: if state or input are out of range, the state is a goal, or, with a memory
+                of several steps, neither the start nor the one to which the last action led.
         """
         ...
 
@@ -134,12 +145,12 @@ class Robot(Protocol):
         ...
 
     def decide_many(
-        self, states: IntArray, human_inputs: IntArray, beliefs: FloatArray
+        self, windows: IntArray, human_inputs: IntArray, beliefs: FloatArray
     ) -> Decisions:
         """Decide in ``N`` situations at once, each as `decide` would.
 
         Args:
-            states: ``[N]`` robot states, none of them a goal.
+            windows: ``[N]`` indices in ``model.windows``, none of which ends in a goal.
             human_inputs: ``[N]`` inputs, `NO_INPUT` where there was none.
             beliefs: ``[N, A, M]`` the belief in each before the input.
         """
@@ -162,13 +173,22 @@ def require_situation(model: SharedAutonomy, state: int, human_input: int | None
 
 
 def one_situation(
-    model: SharedAutonomy, state: int, human_input: int | None, belief: FloatArray
+    model: SharedAutonomy,
+    state: int,
+    human_input: int | None,
+    belief: FloatArray,
+    expected: int | None,
 ) -> tuple[IntArray, IntArray, FloatArray]:
     """The arguments of `Robot.decide_many` for one situation.
+
+    Args:
+        model, state, human_input, belief: as for `Robot.decide`.
+        expected: the window after the last action, or None before the first.
 
     Raises:
         ValueError: if no decision can be taken there.
     """
     require_situation(model, state, human_input)
+    window = model.windows.locate(expected, state)
     given = NO_INPUT if human_input is None else human_input
-    return np.array([state]), np.array([given]), belief[None]
+    return np.array([window]), np.array([given]), belief[None]

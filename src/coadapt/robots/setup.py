@@ -12,10 +12,12 @@ from itertools import pairwise
 from typing import Literal, get_args
 
 import msgspec
+import numpy as np
 
 from coadapt.errors import InputError
 from coadapt.formalism import SharedAutonomy
 from coadapt.formalism.shared_autonomy import PAPER_ADAPTABILITY
+from coadapt.human.history import LONGEST_MEMORY, count_windows
 from coadapt.robots.fixed import NoAdaptation
 from coadapt.robots.match import MatchRule
 from coadapt.robots.mutual import MutualAdaptation
@@ -41,6 +43,9 @@ LARGEST_STEP_COST = 1000.0
 
 MOST_ADAPTABILITIES = 100
 
+MOST_WINDOWS = 100_000
+"""Windows of the last steps; they grow exponentially with the memory."""
+
 
 class SetupError(InputError):
     """A value of a setup is out of its range.
@@ -65,6 +70,7 @@ class RobotSetup(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
         rows: depth of the grid in cells, at least 1.
         left_reward: reward of the left goal, in the paper's units.
         right_reward: reward of the right goal, in the paper's units.
+        memory: ``k``, the steps from which the person infers the robot's goal, at least 1.
         adaptability: the values of alpha that the robot considers, increasing, in [0, 1].
         disagreement_cost: ``C`` of Eq. 8, at most 0.
         discount: gamma, in [0, 1).
@@ -81,6 +87,7 @@ class RobotSetup(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
     rows: int = 4
     left_reward: float = 10.0
     right_reward: float = 11.0
+    memory: int = 1
     adaptability: tuple[float, ...] = PAPER_ADAPTABILITY
     disagreement_cost: float = -0.32
     discount: float = 0.99
@@ -99,6 +106,8 @@ class RobotSetup(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
             reward: float = getattr(self, field)
             wanted = f"a number of size {LARGEST_REWARD:g} at most"
             _require(field, abs(reward) <= LARGEST_REWARD, wanted, reward)
+        wanted = f"from 1 to {LONGEST_MEMORY}"
+        _require("memory", 1 <= self.memory <= LONGEST_MEMORY, wanted, self.memory)
         self._require_adaptability()
         cost = self.disagreement_cost
         _require("disagreement_cost", -LARGEST_REWARD <= cost <= 0, "a number of at most 0", cost)
@@ -127,7 +136,7 @@ class RobotSetup(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
         """World and people, the same for all three robots.
 
         Raises:
-            SetupError: if the step cost is too small for the grid.
+            SetupError: if the step cost is too small for the grid, or the memory too long.
         """
         world = table_clearing(
             self.columns,
@@ -135,8 +144,13 @@ class RobotSetup(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
             left_reward=self.left_reward,
             right_reward=self.right_reward,
         )
+        ends = np.isin(np.arange(world.states), world.goal_states)
+        windows = count_windows(world.moves, world.start, ends, self.memory)
+        few = f"so short that there are at most {MOST_WINDOWS:,} windows of steps"
+        _require("memory", windows <= MOST_WINDOWS, few, f"{self.memory} ({windows:.3g} windows)")
         model = SharedAutonomy(
             world,
+            memory=self.memory,
             adaptability=self.adaptability,
             disagreement_cost=self.disagreement_cost,
             discount=self.discount,

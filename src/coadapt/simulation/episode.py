@@ -27,7 +27,8 @@ class Episode:
         goal: index of the goal reached, or None.
         reward: reward of that goal, in the paper's units; 0 without a goal.
         disagreement: expected number of steps in which the person saw the robot in another mode
-            than their own, ``sum_t P(m_r != m_h^t | x^t, a_r^t)``; NaN where modes are unknown.
+            than their own, ``sum_t P(m_r != m_h^t | w^t, a_r^t)`` with what
+            they remember, ``w^t``; NaN where modes are unknown.
     """
 
     robot: str
@@ -74,15 +75,25 @@ class Trials:
         n: number of trials.
         belief: ``[A, M]`` belief to begin with, for example carried over from the trial before;
             the robot's prior if None.
+
+    Attributes:
+        robot: the robot.
+        window: ``[n]`` what the person remembers in each, indices in ``robot.model.windows``.
     """
 
     def __init__(self, robot: Robot, n: int, belief: FloatArray | None = None) -> None:
         robot.reset(belief)
         self.robot = robot
-        self.state = np.full(n, robot.model.world.start)
+        model = robot.model
+        self.window = np.full(n, model.windows.beginning[model.world.start])
         self._belief = np.repeat(robot.belief[None], n, axis=0)
         self._decisions: list[list[Decision]] = [[] for _ in range(n)]
         self._modes: list[list[int]] = [[] for _ in range(n)]
+
+    @property
+    def state(self) -> IntArray:
+        """``[n]`` the robot states."""
+        return self.robot.model.windows.state[self.window]
 
     @property
     def running(self) -> IntArray:
@@ -97,21 +108,23 @@ class Trials:
             human_inputs: ``[K]`` the input in each, `NO_INPUT` where there was none.
             modes: ``[K]`` the partner's mode behind it, `UNKNOWN_MODE` where it is not known.
         """
-        decisions = self.robot.decide_many(self.state[trials], human_inputs, self._belief[trials])
+        decisions = self.robot.decide_many(self.window[trials], human_inputs, self._belief[trials])
         for k, i in enumerate(map(int, trials)):
             self._decisions[i].append(decisions[k])
             self._modes[i].append(int(modes[k]))
         self._belief[trials] = decisions.forecast
-        self.state[trials] = self.robot.model.world.moves[self.state[trials], decisions.action]
+        following = self.robot.model.windows.next
+        self.window[trials] = following[self.window[trials], decisions.action]
         return decisions
 
     def episode(self, i: int) -> Episode:
         """The record of trial ``i`` up to here."""
         model = self.robot.model
-        goal = model.world.goal_at(int(self.state[i]))
+        state = int(model.windows.state[self.window[i]])
+        goal = model.world.goal_at(state)
         modes = self._modes[i]
         seen = sum(
-            1.0 - float(model.perceived[d.state, d.action, mode])
+            1.0 - float(model.perceived[d.window, d.action, mode])
             for d, mode in zip(self._decisions[i], modes, strict=True)
         )
         return Episode(
@@ -119,7 +132,7 @@ class Trials:
             world=model.world.name,
             decisions=tuple(self._decisions[i]),
             modes=tuple(modes),
-            final_state=int(self.state[i]),
+            final_state=state,
             goal=goal,
             reward=0.0 if goal is None else model.world.goals[goal].reward,
             disagreement=float("nan") if UNKNOWN_MODE in modes else seen,

@@ -1,10 +1,10 @@
 """Exact evaluation of a robot against a simulated partner, by expanding reachable beliefs.
 
-A robot's decision depends on the state, its belief and the input; the partner's inputs depend on
-a mode that follows the adaptation model. So the pair (state, robot belief) together with a weight
-for each mode of the partner says all about an episode so far. We expand these step by step,
-merging those that coincide, until the mass that has not reached a goal is negligible. The robot
-decides alike whoever steers, so one expansion serves any number of partners.
+A robot's decision depends on the window of its last steps, its belief and the input; the partner's
+inputs depend on a mode that follows the adaptation model. So the pair (window, robot belief)
+together with a weight for each mode of the partner says all about an episode so far. We expand
+these step by step, merging those that coincide, until the mass that has not reached a goal is
+negligible. The robot decides alike whoever steers, so one expansion serves any number of partners.
 """
 
 from __future__ import annotations
@@ -15,8 +15,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from coadapt.arrays import FloatArray, IntArray
-from coadapt.formalism import SharedAutonomy
-from coadapt.human.adaptation import mode_transition
+from coadapt.human import filter as human_filter
 from coadapt.robots import Decisions, Robot
 from coadapt.simulation.partner import SimulatedPartner
 
@@ -124,7 +123,7 @@ def _evaluate(
     robot: Robot, partners: Sequence[SimulatedPartner], threshold: float, max_steps: int
 ) -> tuple[list[Evaluation], bool]:
     """The evaluations, and whether ``max_steps`` rather than the threshold ended the expansion."""
-    model, world = robot.model, robot.model.world
+    model, world, windows = robot.model, robot.model.world, robot.model.windows
     count, goals = len(partners), np.array(world.goal_states)
     rewards = np.array([goal.reward for goal in world.goals])
     goal_probability = np.zeros((count, len(goals)))
@@ -133,13 +132,14 @@ def _evaluate(
     for visits in expand(robot, *partners, threshold=threshold, max_steps=max_steps):
         taken = visits.decisions
         mass = visits.weight.sum(axis=2)  # [N, P]
-        differs = 1.0 - model.perceived[taken.state, taken.action]  # [N, M], Eq. 7
+        differs = 1.0 - model.perceived[taken.window, taken.action]  # [N, M], Eq. 7
         seen = np.einsum("npm,nm->p", visits.weight, differs)
         decisions += len(taken)
         steps += mass.sum(axis=0)
         disagreement += seen
         overridden += mass[taken.human_input != taken.action].sum(axis=0)
-        arrives = world.moves[taken.state, taken.action][:, None] == goals  # [N, G]
+        reached = windows.state[windows.next[taken.window, taken.action]]
+        arrives = reached[:, None] == goals  # [N, G]
         arrived = np.einsum("np,ng->pg", mass, arrives)
         goal_probability += arrived
         discounted += model.discount**visits.step * model.disagreement_cost * seen
@@ -182,52 +182,43 @@ def expand(
     Yields:
         The distinct decisions of each time step.
     """
-    model, world = robot.model, robot.model.world
-    transitions = _mode_transitions(model, partners)
-    ends = np.isin(np.arange(world.states), world.goal_states)
+    model, world, windows = robot.model, robot.model.world, robot.model.windows
+    alpha = np.array([partner.adaptability for partner in partners])
+    ends = np.isin(windows.state, world.goal_states)
     robot.reset()
-    state = np.array([world.start])
+    window = windows.beginning[[world.start]]
     belief = robot.belief[None]
     weight = np.stack([partner.mode_distribution(model) for partner in partners])[None]
     for step in range(max_steps):
         likely = weight.sum(axis=2).max(axis=1) >= threshold
         if not likely.any():
             return
-        state, belief, weight = state[likely], belief[likely], weight[likely]
+        window, belief, weight = window[likely], belief[likely], weight[likely]
         # Each situation with each input.
-        likelihood = model.input_likelihood[state]  # [N, A_h, M]
+        likelihood = model.input_likelihood[windows.state[window]]  # [N, A_h, M]
         seen = weight[:, None] * likelihood[:, :, None]  # [N, A_h, P, M]
         where, human_input = np.nonzero(seen.any(axis=(2, 3)))
-        decisions = robot.decide_many(state[where], human_input, belief[where])
+        decisions = robot.decide_many(window[where], human_input, belief[where])
         seen = seen[where, human_input]
         yield Visits(step, decisions, seen)
-        reached = world.moves[decisions.state, decisions.action]
-        moves = transitions[decisions.state, decisions.action]  # [N, P, M, M]
-        moved = (seen[..., None] * moves).sum(axis=2)
+        reached = windows.next[decisions.window, decisions.action]
+        perceived = model.perceived[decisions.window, decisions.action]
+        # The partners' modes move as a belief over them would, Eq. 3-4.
+        moved = human_filter.predict(seen, alpha, perceived, None)
         on = ~ends[reached]
-        state, belief, weight = _merge(reached[on], decisions.forecast[on], moved[on])
+        window, belief, weight = _merge(reached[on], decisions.forecast[on], moved[on])
 
 
 def _merge(
-    state: IntArray, belief: FloatArray, weight: FloatArray
+    window: IntArray, belief: FloatArray, weight: FloatArray
 ) -> tuple[IntArray, FloatArray, FloatArray]:
-    """The distinct pairs of state and belief, with the weights of equal ones added up."""
-    if len(state) == 0:
-        return state, belief, weight
-    rounded = belief.reshape(len(state), -1).round(SAME_BELIEF)
-    rows = np.ascontiguousarray(np.column_stack([state, rounded]))
+    """The distinct pairs of window and belief, with the weights of equal ones added up."""
+    if len(window) == 0:
+        return window, belief, weight
+    rounded = belief.reshape(len(window), -1).round(SAME_BELIEF)
+    rows = np.ascontiguousarray(np.column_stack([window, rounded]))
     keys = rows.view(np.dtype((np.void, rows.dtype.itemsize * rows.shape[1]))).ravel()
     _, first, which = np.unique(keys, return_index=True, return_inverse=True)
     merged = np.zeros((len(first), *weight.shape[1:]))
     np.add.at(merged, which, weight)
-    return state[first], belief[first], merged
-
-
-def _mode_transitions(model: SharedAutonomy, partners: Sequence[SimulatedPartner]) -> FloatArray:
-    """``[X, A, P, M, M]``: how each partner's mode moves when the robot acts."""
-    states, actions, modes = model.perceived.shape
-    moves = np.empty((states, actions, len(partners), modes, modes))
-    for i, partner in enumerate(partners):
-        for x, a in np.ndindex(states, actions):
-            moves[x, a, i] = mode_transition(partner.adaptability, model.perceived[x, a])
-    return moves
+    return window[first], belief[first], merged

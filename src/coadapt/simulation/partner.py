@@ -29,9 +29,9 @@ class Partner(Protocol):
         ...
 
     def next_mode(
-        self, model: SharedAutonomy, state: int, mode: int, action: int, rng: np.random.Generator
+        self, model: SharedAutonomy, window: int, mode: int, action: int, rng: np.random.Generator
     ) -> int:
-        """The mode after the robot took ``action`` in ``state``."""
+        """The mode after the robot took ``action``, with the last steps in ``model.windows``."""
         ...
 
 
@@ -76,10 +76,10 @@ class SimulatedPartner:
         return draw(model.modal_policies[mode, state], rng)
 
     def next_mode(
-        self, model: SharedAutonomy, state: int, mode: int, action: int, rng: np.random.Generator
+        self, model: SharedAutonomy, window: int, mode: int, action: int, rng: np.random.Generator
     ) -> int:
         """Switch to the perceived robot mode with probability alpha (Eq. 3-4)."""
-        perceived = draw(model.perceived[state, action], rng)
+        perceived = draw(model.perceived[window, action], rng)
         return perceived if rng.random() < self.adaptability else mode
 
 

@@ -65,7 +65,7 @@ def _run(
         running = trials.running
         if len(running) == 0:
             break
-        states = trials.state[running]
+        windows, states = trials.window[running], trials.state[running]
         inputs = np.array(
             [
                 _as_number(partner.act(model, x, int(modes[i]), generators[i]))
@@ -74,8 +74,8 @@ def _run(
         )
         actions = trials.step(running, inputs, modes[running]).action
         modes[running] = [
-            partner.next_mode(model, x, int(modes[i]), a, generators[i])
-            for i, x, a in zip(map(int, running), map(int, states), map(int, actions), strict=True)
+            partner.next_mode(model, w, int(modes[i]), a, generators[i])
+            for i, w, a in zip(map(int, running), map(int, windows), map(int, actions), strict=True)
         ]
     return [trials.episode(i) for i in range(len(generators))]
 
