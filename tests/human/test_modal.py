@@ -198,15 +198,34 @@ def row_by_row(columns: int, rows: int, cost: float) -> FloatArray:
     return np.array(value)
 
 
-def test_a_long_corridor_does_not_underflow() -> None:
+@pytest.mark.parametrize(("cost", "below", "detours"), [(3.0, -1100, 10), (1.15, -50, 300)])
+def test_a_long_corridor_does_not_underflow(cost: float, below: float, detours: float) -> None:
     world = grid(3, 400, (1, 0), [("far left", (0, 399), 1.0)])
-    value = soft_value(world.moves, world.goal_states[0], 3.0)
-    expected = row_by_row(3, 400, 3.0)
-    # exp(-3 * 400) is far below the smallest number, 5e-324.
-    assert value[world.start] < -1100
+    value = soft_value(world.moves, world.goal_states[0], cost)
+    expected = row_by_row(3, 400, cost)
+    # exp(-3 * 400) is far below the smallest number, 5e-324. Near the smallest possible cost, ln 3,
+    # all paths together weigh more than exp(300) times a shortest one.
+    assert value[world.start] < below
+    assert value[world.start] + 400 * cost > detours
     np.testing.assert_allclose(value.reshape(400, 3), expected, rtol=1e-12)
-    policy = maximum_entropy_policy(world.moves, world.goal_states[0], 3.0)
+    policy = maximum_entropy_policy(world.moves, world.goal_states[0], cost)
     np.testing.assert_allclose(policy.sum(axis=1), 1.0, atol=1e-12)
     # In every row but the last one, forward leads to a state as good as its own but a step nearer.
-    forward = np.exp(expected[1:] - expected[:-1] - 3.0)
+    forward = np.exp(expected[1:] - expected[:-1] - cost)
     np.testing.assert_allclose(policy[:-3, 1].reshape(399, 3), forward, rtol=1e-9)
+
+
+def test_a_goal_that_nothing_leads_to() -> None:
+    moves = np.array([[0, 1], [1, 0], [2, 2]])
+    assert soft_value(moves, 2, 3.0).tolist() == [-np.inf, -np.inf, 0.0]
+    np.testing.assert_array_equal(maximum_entropy_policy(moves, 2, 3.0), 0.5)
+
+
+@pytest.mark.parametrize("cost", [-1.0, 0.0])
+def test_steps_may_be_free_where_paths_cannot_go_round(cost: float) -> None:
+    # 0 leads to 1 and 1 to the goal 2; nothing leads from 3 and 4 to it.
+    moves = np.array([[1], [2], [2], [4], [4]])
+    with pytest.raises(ValueError, match="too small"):  # 4 may stay where it is forever
+        soft_value(moves, 2, cost)
+    found = soft_value(moves, 2, cost, [4])
+    assert found.tolist() == [-2 * cost, -cost, 0.0, -np.inf, -np.inf]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from coadapt.worlds import grid
+from coadapt.worlds import FIVE_WAYS, grid
 
 # 3 columns and 2 rows, numbered row by row:  3 4 5
 #                                             0 1 2
@@ -45,6 +45,49 @@ def test_other_actions() -> None:
         [4, 1, 4],
         [5, 2, 5],
     ]
+
+
+def test_obstacles_are_no_states_and_block_the_way() -> None:
+    # With numbers for names:  2 # 3
+    #                          0 # 1   joined by a third row  4 5 6
+    world = grid(
+        3,
+        3,
+        (0, 0),
+        [("goal", (2, 0), 1.0)],
+        actions=FIVE_WAYS,
+        obstacles=[(1, 0), (1, 1)],
+    )
+    assert world.states == 7
+    assert (world.start, world.goal_states) == (0, (1,))
+    assert world.positions.tolist() == [[0, 0], [2, 0], [0, 1], [2, 1], [0, 2], [1, 2], [2, 2]]
+    assert world.action_names == ("left", "forward", "right", "back", "stay")
+    # Left, forward, right, back, stay.
+    assert world.moves.tolist() == [
+        [0, 2, 0, 0, 0],
+        [1, 3, 1, 1, 1],
+        [2, 4, 2, 0, 2],
+        [3, 6, 3, 1, 3],
+        [4, 4, 5, 2, 4],
+        [4, 5, 6, 5, 5],
+        [5, 6, 6, 3, 6],
+    ]
+    # Two rows up, two columns over, two rows down.
+    assert world.distance(0)[world.start] == 6
+
+
+@pytest.mark.parametrize(
+    ("obstacle", "message"),
+    [
+        ((1, 0), "start at column 1, row 0 is an obstacle"),
+        ((0, 1), "goal g at column 0, row 1 is an obstacle"),
+        ((3, 0), "obstacle at column 3, row 0 is off the 3 x 2 grid"),
+        ((0, -1), "obstacle at column 0, row -1 is off the 3 x 2 grid"),
+    ],
+)
+def test_obstacles_in_the_wrong_place_are_refused(obstacle: tuple[int, int], message: str) -> None:
+    with pytest.raises(ValueError, match=message):
+        grid(3, 2, (1, 0), [("g", (0, 1), 1.0)], obstacles=[obstacle])
 
 
 @pytest.mark.parametrize(

@@ -9,6 +9,14 @@ proportional to ``exp(-c n)`` for a step cost ``c``. Soft value iteration gives 
     pi(a | s) = exp(-c + V(T(s, a)) - V(s)).
 
 As ``c`` grows the policy becomes uniform over the shortest paths.
+
+The values of far states are too small to exponentiate, and iteration with logarithms is slow. So
+the iteration is carried out on ``u(s) = exp(V(s) - B(s))`` for a lower bound ``B``, at first that
+of one shortest path, ``B(s) = -c d(s)``:
+
+    u(s) = sum_a exp(-c + B(T(s, a)) - B(s)) u(T(s, a)).
+
+It rises from ``u = 1``; where it has become large, ``B`` takes it up.
 """
 
 from __future__ import annotations
@@ -18,12 +26,16 @@ from collections.abc import Sequence
 
 import numpy as np
 from scipy import sparse
+from scipy.sparse.csgraph import dijkstra
 from scipy.sparse.linalg import MatrixRankWarning, spsolve
 
-from coadapt.arrays import FloatArray, IntArray
+from coadapt.arrays import BoolArray, FloatArray, IntArray
 
 TOLERANCE = 1e-13
 """Soft value iteration ends when no value moves by more than this, in nats."""
+
+LARGE = 1e100
+"""Values of ``u`` up to here are kept apart from the bound."""
 
 MAX_SWEEPS = 1_000_000
 
@@ -65,19 +77,30 @@ def soft_value(
     Raises:
         ValueError: as `maximum_entropy_policy`.
     """
-    ends = np.zeros(len(moves), dtype=np.bool_)
+    states, actions = moves.shape
+    ends = np.zeros(states, dtype=np.bool_)
     ends[[goal, *other_goals]] = True
     require_convergent(moves, ends, step_cost)
-    value = np.full(len(moves), -np.inf)
-    value[goal] = 0.0
-    for _ in range(MAX_SWEEPS):
-        new = -step_cost + np.logaddexp.reduce(value[moves], axis=1)
-        new[ends] = value[ends]
-        # Values rise from minus infinity; where both are infinite nothing moved.
-        moved = new != value
-        change = np.max(new[moved] - value[moved], initial=0.0)
-        value = new
-        if change <= TOLERANCE:
+    distance = _distances(moves, goal, ends)
+    reaches = np.isfinite(distance)
+    value = np.full(states, -np.inf)
+    value[reaches] = -step_cost * distance[reaches]
+    rising = np.flatnonzero(reaches & (distance > 0))
+    following = moves[rising].ravel()
+    row_start = np.arange(len(rising) + 1) * actions
+    sweeps = 0
+    while sweeps < MAX_SWEEPS:
+        weight = np.exp(value[following] - np.repeat(value[rising], actions) - step_cost)
+        sweep = sparse.csr_array((weight, following, row_start), shape=(len(rising), states))
+        u = np.ones(states)
+        growth = np.inf
+        while growth > TOLERANCE and sweeps < MAX_SWEEPS and u.max() < LARGE:
+            new: FloatArray = np.asarray(sweep @ u)
+            growth = float(np.max(new / u[rising], initial=1.0)) - 1.0
+            u[rising] = new
+            sweeps += 1
+        value += np.log(u)
+        if growth <= TOLERANCE:
             return value
     raise ValueError(
         f"soft values did not settle in {MAX_SWEEPS} sweeps: step cost {step_cost:g} is too close "
@@ -85,9 +108,17 @@ def soft_value(
     )
 
 
-def require_convergent(
-    moves: IntArray, ends: np.typing.NDArray[np.bool_], step_cost: float
-) -> None:
+def _distances(moves: IntArray, goal: int, ends: BoolArray) -> FloatArray:
+    """``[X]`` fewest moves to ``goal`` past no other end; infinite where there is no such path."""
+    going = np.flatnonzero(~ends)
+    before = np.repeat(going, moves.shape[1])
+    arrivals = sparse.csr_array(
+        (np.ones(len(before)), (moves[going].ravel(), before)), shape=(len(moves), len(moves))
+    )
+    return dijkstra(arrivals, indices=[goal], unweighted=True)[0]
+
+
+def require_convergent(moves: IntArray, ends: BoolArray, step_cost: float) -> None:
     """Refuse a step cost for which the sum over all paths is infinite.
 
     The sum is finite when the spectral radius of ``exp(-c)`` times the adjacency matrix among
