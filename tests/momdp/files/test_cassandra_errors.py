@@ -21,8 +21,8 @@ BODY = "T: * identity\nO: * uniform\n"
     ("text", "message"),
     [
         ("", "1: found no discount before the tables, expected 'discount: ...'"),
-        ("discount: 1.0", "1: found discount 1.0, expected at least 0 and below 1: without"),
-        ("discount: -0.1", "1: found discount -0.1, expected at least 0 and below 1"),
+        ("discount: 1.0", "1: found discount '1.0', expected at least 0 and below 1: without"),
+        ("discount: -0.1", "1: found discount '-0.1', expected at least 0 and below 1"),
         ("\ndiscount: x", "2: found 'x', expected a discount of at least 0 and below 1"),
         ("discount: nan", "1: found 'nan', expected a discount"),
         ("discount: 0.5\ndiscount: 0.5", "2: found discount again, expected it once"),

@@ -2,13 +2,16 @@
 
 from __future__ import annotations
 
+import io
 import json
 import random
 import subprocess
 import sys
 import tempfile
+import zipfile
 from pathlib import Path
 
+import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
@@ -45,12 +48,39 @@ def pomdpx(*, y: int = 2, x_values: int = 2, entries: str = "", **parts: str) ->
     return text.replace(entry("* * - -", "identity"), entries or entry("* * - -", "identity"))
 
 
+def declaring(kind: str, sizes: list[int], more: str = "") -> str:
+    """A file with more variables of one kind, with so many values."""
+    variables = "".join(
+        f"<{kind} vname='b{i}'><NumValues>{size}</NumValues></{kind}>"
+        for i, size in enumerate(sizes)
+    )
+    return document(variables=VARIABLES.replace("</Variable>", f"{more}{variables}</Variable>"))
+
+
 def cassandra(states: int, actions: int, seen: int, entries: str) -> str:
     return f"discount: 0.5\nstates: {states}\nactions: {actions}\nobservations: {seen}\n{entries}\n"
 
 
 def dense(states: int) -> str:
     return f"T: * uniform\nO: * uniform\nstart: {'0 ' * states}"
+
+
+def archive(start: int, count: int) -> bytes:
+    """A compact policy of zeros: numbers of ``start``, and of ``vectors`` of length 1."""
+    file = io.BytesIO()
+    with zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED) as members:
+        for name, shape, kind in (
+            ("format", 1, "<i8"), ("start", start, "<i8"), ("vectors", (count, 1), "<f8"),
+            ("actions", count, "<i8"),
+        ):  # fmt: skip
+            numbers = np.zeros(shape, dtype=kind)
+            if name == "format":
+                numbers[:] = 1
+            elif name == "start":
+                numbers[-1] = count
+            with members.open(f"{name}.npy", "w") as member:
+                np.lib.format.write_array(member, numbers)
+    return file.getvalue()
 
 
 # Name, contents, and a part of the message; None where the file is fine.
@@ -102,6 +132,38 @@ FILES: dict[str, tuple[str | bytes, str | None]] = {
         pomdpx(x_values=5000).replace(entry("* - -", "identity"), entry("* - -", "uniform")),
         "expected",
     ),
+    "many_values.pomdpx": (declaring("ActionVar", [10**6] * 900), "actions, expected at most"),
+    "one_value_often.pomdpx": (
+        declaring("ObsVar", [500_000] + [1] * 900), "characters in the names of the observations",
+    ),
+    "long_names.pomdpx": (
+        declaring("ObsVar", [100_000], f"<ObsVar vname='p'><ValueEnum>{'z' * 99_999}</ValueEnum>"
+                  "</ObsVar>"),
+        "characters in the names of the observations",
+    ),
+    "many_nodes.pomdpx": (
+        document(gain="<Func><Var>gain</Var><Parameter type='DD'><DAG><Node var='act'>"
+                 + "<Edge val='a'/>" * 600_000),
+        "elements of decision diagrams",
+    ),
+    "long_number.pomdp": (
+        cassandra(1, 1, 1, f"start: {'0' * 5000}\nT: * identity\nO: * uniform"), "a state",
+    ),
+    "long_discount.pomdp": (f"discount: 1.{'0' * 10**6}", "expected at least 0 and below 1"),
+    "long_discount.pomdpx": (
+        f"<pomdpx><Discount>1.{'0' * 10**6}</Discount></pomdpx>", "expected at least 0 and below 1",
+    ),
+    "long_line.pomdp": (cassandra(2, 1, 1, f"T: * {'11 ' * 9_000_000}"), "found 11, expected"),
+    "long_table.pomdpx": (
+        TEXT.replace("0.5 0.5", "1 " * 12_000_000), "found 12000000 numbers, expected 2",
+    ),
+    "long_vector.policy": (
+        '<Policy><AlphaVector vectorLength="2" numObsValue="1" numVectors="1">'
+        f"<Vector action='0' obsValue='0'>{'1 ' * 12_000_000}</Vector></AlphaVector></Policy>",
+        "found 12000000 numbers, expected 2",
+    ),
+    "bomb.coadapt": (archive(2 * 10**7, 4 * 10**7), "expected at most 1,000,001 numbers"),
+    "large.coadapt": (archive(2, 4 * 10**7), None),
     "deep.pomdpx": ("<pomdpx><Description>" + "<a>" * 100_000, "nested 200 deep"),
     "deep_nodes.pomdpx": (
         document(rock=DIAGRAM.split("<DAG>")[0] + "<DAG>"

@@ -106,10 +106,13 @@ def test_vectors_in_any_order_and_sparse(tmp_path: Path) -> None:
         ("<SparseVector action='1' obsValue='1'><Entry>3 1</Entry></SparseVector>", "",
          "3: found '3 1', expected an index below 3 and a number"),
         (FIRST, '<AlphaVector vectorLength="1000000000" numObsValue="2" numVectors="1">',
-         "2: found vectorLength='1000000000', expected a whole number from 0 to 1000000"),
+         "2: found vectorLength='1000000000', expected a whole number from 1 to 1000000"),
+        ("", '<AlphaVector vectorLength="0" numObsValue="1" numVectors="0">',
+         "2: found vectorLength='0', expected a whole number from 1 to"),
         (FIRST, '<AlphaVector vectorLength="3">', "2: found <AlphaVector> without numObsValue"),
         ("<Matrix/>", "", "3: found <Matrix> in <AlphaVector>, expected <SparseVector>, <Vector>"),
-        ("", '<AlphaVector vectorLength="3" numObsValue="0" numVectors="0">', "2: found no vector"),
+        ("", '<AlphaVector vectorLength="3" numObsValue="0" numVectors="0">',
+         "2: found numObsValue='0', expected a whole number from 1 to"),
     ],
 )  # fmt: skip
 def test_xml_errors(tmp_path: Path, vectors: str, head: str, message: str) -> None:
@@ -171,7 +174,7 @@ def compact(directory: Path, **arrays: object) -> Path:
         ({"actions": np.array([0, 1, -1])}, "out of range"),
         ({"vectors": np.full((3, 2), np.nan)}, "out of range"),
         ({"vectors": np.zeros((3, 0))}, "do not fit together"),
-        ({"vectors": np.zeros(3)}, r"found vectors of type float64 and shape \(3,\)"),
+        ({"vectors": np.zeros(3)}, r"found vectors of type float64 and shape '\(3,\)'"),
         ({"vectors": np.array([[object()]])}, "found vectors of type object"),
         ({"vectors": np.asfortranarray(np.zeros((3, 2)))}, "found vectors of type"),
     ],
@@ -181,17 +184,58 @@ def test_compact_errors(tmp_path: Path, arrays: dict[str, object], message: str)
         read_policy(compact(tmp_path, **arrays))
 
 
-def test_a_header_that_promises_too_much(tmp_path: Path) -> None:
-    """The array's header declares 10^9 rows; the archive holds none of them."""
+@pytest.mark.parametrize(
+    ("rows", "message"),
+    [(10**9, "expected at most 40,000,000 numbers"), (1000, "cut short"), (2, "many")],
+)
+def test_a_header_that_promises_too_much_or_too_little(
+    tmp_path: Path, rows: int, message: str
+) -> None:
+    """The array's header declares so many rows of two; the archive holds three."""
     path = compact(tmp_path, vectors=None)
     header = io.BytesIO()
     np.lib.format.write_array_header_1_0(
-        header, {"descr": "<f8", "fortran_order": False, "shape": (10**9, 2)}
+        header, {"descr": "<f8", "fortran_order": False, "shape": (rows, 2)}
     )
     with zipfile.ZipFile(path, "a") as archive:
-        archive.writestr("vectors.npy", header.getvalue())
-    with pytest.raises(InputError, match="cut short"):
+        archive.writestr("vectors.npy", header.getvalue() + bytes(3 * 2 * 8))
+    with pytest.raises(InputError, match=message):
         read_policy(path)
+
+
+@pytest.mark.parametrize(
+    "header",
+    [
+        "(" * 3900,
+        "-" * 3900 + "1",
+        "{" * 200,
+        "\0",
+        "",
+        '"""',
+        " \n  x\n y",
+        "{'descr': '<f8', 'fortran_order': False, 'shape': (True, 1)}",
+        "{'descr': '<f8', 'fortran_order': False, 'shape': (-1, -1)}",
+        "{'descr': '<f8', 'fortran_order': False, 'shape': (1, " + "1" * 3900 + ")}",
+        "{'descr': [('a', '<f8')], 'fortran_order': False, 'shape': (1, 1)}",
+    ],
+)
+def test_headers_made_to_do_harm(tmp_path: Path, header: str) -> None:
+    path = compact(tmp_path, vectors=None)
+    size = len(header).to_bytes(2, "little")
+    with zipfile.ZipFile(path, "a") as archive:
+        archive.writestr("vectors.npy", b"\x93NUMPY\x01\x00" + size + header.encode() + bytes(8))
+    with pytest.raises(InputError) as caught:
+        read_policy(path)
+    assert len(str(caught.value)) < 400
+
+
+def test_names_of_members_that_are_no_text(tmp_path: Path) -> None:
+    data = bytearray(compact(tmp_path).read_bytes().replace(b"start.npy", b"st\xff\xfet.npy"))
+    at = data.index(b"PK\x01\x02", data.index(b"PK\x01\x02") + 1)  # the second of the directory
+    data[at + 9] |= 8  # its name is said to be UTF-8
+    (tmp_path / "b.coadapt").write_bytes(data)
+    with pytest.raises(InputError, match="damaged archive"):
+        read_policy(tmp_path / "b.coadapt")
 
 
 def test_no_pickles(tmp_path: Path) -> None:

@@ -61,7 +61,7 @@ def entry(instance: str, numbers: str, kind: str = "ProbTable") -> str:
     [
         (2, "<problem>", "2: found <problem>, expected <pomdpx>"),
         (3, "", "33: found no <Discount>, expected one"),
-        (3, "<Discount>1</Discount>", "3: found discount 1, expected at least 0 and below 1: "),
+        (3, "<Discount>1</Discount>", "3: found discount '1', expected at least 0 and below 1: "),
         (3, "<Discount>x</Discount>", "3: found 'x', expected a discount"),
         (3, "<Discount>.5</Discount><Discount>.5</Discount>", "3: found <Discount> again"),
         (3, "<Discount>.5</Discount><Horizon/>", "3: found <Horizon> in <pomdpx>, expected <Desc"),
@@ -85,7 +85,7 @@ def entry(instance: str, numbers: str, kind: str = "ProbTable") -> str:
         (9, "", "4: found no <RewardVar>, expected at least one"),
         (6, "<StateVar vnamePrev='y' vnameCurr='yy'><NumValues>900000</NumValues></StateVar>"
             "<StateVar vnamePrev='z' vnameCurr='zz'><NumValues>900000</NumValues></StateVar>",
-         "4: found 2 x 2 x 810000000000 observed states x actions x hidden states, expected at"),
+         "6: found 900000 x 900000 hidden states, expected at most 1,000,000 in all"),
         (12, "<CondProb><Var>z</Var><Parent>null</Parent><Parameter>",
          "12: found a table of 'z', expected one of x, y"),
         (12, "<CondProb><Var>x y</Var><Parent>null</Parent><Parameter>",

@@ -8,7 +8,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from coadapt.arrays import FloatArray
-from coadapt.errors import FileError
+from coadapt.errors import FileError, excerpt
 from coadapt.momdp.files.cassandra_tokens import Tokens
 from coadapt.momdp.files.layered import WILD
 from coadapt.momdp.files.limits import MAX_VALUES
@@ -153,8 +153,8 @@ def _read_discount(tokens: Tokens) -> float:
         raise FileError(
             tokens.path,
             line,
-            f"found discount {word}, expected at least 0 and below 1: without discounting the "
-            "value of going on for ever need not be finite",
+            f"found discount {excerpt(word)}, expected at least 0 and below 1: without "
+            "discounting the value of going on for ever need not be finite",
         )
     return discount
 
@@ -225,7 +225,9 @@ def _read_start(tokens: Tokens, states: Names) -> FloatArray:
         return np.full(size, 1.0 / size)
     after = tokens.peek(1)
     alone = after is None or not is_number(after)
-    if not is_number(word) or (alone and INTEGER.fullmatch(word) and (size > 1 or int(word) == 0)):
+    if not is_number(word) or (
+        alone and INTEGER.fullmatch(word) and (size > 1 or float(word) == 0)
+    ):
         state = states.find(word)
         if state is None:
             raise tokens.error("a state, 'uniform', or a probability for every state")

@@ -8,6 +8,7 @@ latest entry is found by its key, and the latest of those found holds.
 from __future__ import annotations
 
 import math
+from array import array
 from collections.abc import Callable
 from dataclasses import dataclass
 from typing import final
@@ -42,6 +43,20 @@ class _Layer:
 
 
 @final
+class _Single:
+    """Entries of one number each, in the file's order."""
+
+    def __init__(self) -> None:
+        self.key, self.order, self.value = array("q"), array("q"), array("d")
+
+    def add(self, key: int, order: int, value: float) -> None:
+        """One more entry."""
+        self.key.append(key)
+        self.order.append(order)
+        self.value.append(value)
+
+
+@final
 class RewardRules:
     """The entries of R.
 
@@ -55,7 +70,7 @@ class RewardRules:
         self._sizes = sizes
         self._steps = steps(sizes)
         self._added: dict[tuple[int, ...], list[tuple[IntArray, int, FloatArray]]] = {}
-        self._single: dict[tuple[int, ...], dict[int, tuple[int, float]]] = {}
+        self._single: dict[tuple[int, ...], _Single] = {}
         self._count = 0
         self._cells = 0
         self._cases = 0
@@ -72,15 +87,15 @@ class RewardRules:
         base = sum(s * k for s, k in zip(given, self._steps, strict=False) if s != WILD)
         order = self._count
         self._count += 1
-        if len(values) == 1 and len(given) == 4:
-            self._single.setdefault(axes, {})[base] = (order, float(values[0]))
-            return
-        # The axes after those given are the last, so their linear index counts up by one.
         self._cells += len(values)
         if self._cells > MAX_ENTRIES:
             raise FileError(
                 self._path, line, f"found more than {MAX_ENTRIES:,} rewards, expected fewer"
             )
+        if len(values) == 1 and len(given) == 4:
+            self._single.setdefault(axes, _Single()).add(base, order, float(values[0]))
+            return
+        # The axes after those given are the last, so their linear index counts up by one.
         keys = base + np.arange(len(values), dtype=np.int64)
         self._added.setdefault(axes, []).append((keys, order, values))
 
@@ -176,22 +191,19 @@ class RewardRules:
     def _layers(self) -> list[_Layer]:
         layers: list[_Layer] = []
         for axes in {**self._added, **self._single}:
-            single = self._single.get(axes, {})
+            single = self._single.get(axes, _Single())
             blocks = self._added.get(axes, [])
             key = np.concatenate(
-                [np.fromiter(single, np.int64, len(single)), *(block[0] for block in blocks)]
+                [np.array(single.key, dtype=np.int64), *(block[0] for block in blocks)]
             )
             order = np.concatenate(
                 [
-                    np.array([entry[0] for entry in single.values()], dtype=np.int64),
+                    np.array(single.order, dtype=np.int64),
                     *(np.full(len(block[0]), block[1], dtype=np.int64) for block in blocks),
                 ]
             )
             value = np.concatenate(
-                [
-                    np.array([entry[1] for entry in single.values()]),
-                    *(block[2] for block in blocks),
-                ]
+                [np.array(single.value, dtype=np.float64), *(block[2] for block in blocks)]
             )
             sequence = np.lexsort((order, key))
             key, order, value = key[sequence], order[sequence], value[sequence]

@@ -13,7 +13,7 @@ import numpy as np
 
 from coadapt.arrays import FloatArray
 from coadapt.errors import FileError, excerpt
-from coadapt.momdp.files.values import numbers
+from coadapt.momdp.files.values import numbers, pieces
 
 BLOCK = 20_000
 """Words that are read at a time."""
@@ -31,6 +31,7 @@ class Tokens:
     def __init__(self, path: object, lines: Iterator[str]) -> None:
         self.path = path
         self._lines = lines
+        self._rest: Iterator[list[str]] = iter(())  # of the line that is being split
         self._words: list[str] = []
         self._line_of: list[int] = []
         self._next = 0
@@ -124,13 +125,16 @@ class Tokens:
         del self._words[: self._next], self._line_of[: self._next]
         self._next = 0
         while len(self._words) < max(count, BLOCK):
-            text = next(self._lines, None)
-            if text is None:
-                break
-            self._read += 1
-            if "#" in text:
-                text = text[: text.index("#")]
-            words = text.replace(":", " : ").split()
+            words = next(self._rest, None)
+            if words is None:
+                text = next(self._lines, None)
+                if text is None:
+                    break
+                self._read += 1
+                if "#" in text:
+                    text = text[: text.index("#")]
+                self._rest = pieces(text.replace(":", " : "))
+                continue
             self._words += words
             self._line_of += [self._read] * len(words)
         return count <= len(self._words)

@@ -2,7 +2,7 @@
 
 Members: ``format`` (the version, a whole number), ``start`` ``[X + 1]``, ``vectors`` ``[N, Y]`` and
 ``actions`` ``[N]`` of `AlphaVectorPolicy`. ``numpy.load`` reads it too. Nothing is unpickled, and
-the sizes in an array's header are compared with the bytes there are before memory is allocated.
+an array is given memory as its header says, up to a limit.
 """
 
 from __future__ import annotations
@@ -10,13 +10,16 @@ from __future__ import annotations
 import math
 import zipfile
 import zlib
+from lzma import LZMAError
+from tokenize import TokenError
 from typing import BinaryIO
 
 import numpy as np
 from numpy.lib import format as npy
+from numpy.typing import NDArray
 
 from coadapt.arrays import FloatArray, IntArray
-from coadapt.errors import FileError
+from coadapt.errors import FileError, excerpt
 from coadapt.momdp.files.limits import MAX_POLICY, MAX_VALUES
 from coadapt.momdp.policy import AlphaVectorPolicy
 
@@ -25,6 +28,22 @@ VERSION = 1
 
 HEADER = 4096
 """Bytes that the header of an array may take."""
+
+PIECE = 1 << 20
+"""Bytes that are unpacked at a time."""
+
+DAMAGE = (
+    zipfile.BadZipFile,
+    zlib.error,
+    LZMAError,
+    EOFError,
+    KeyError,
+    NotImplementedError,
+    OSError,
+    RuntimeError,
+    ValueError,
+)
+"""What reading a damaged archive raises."""
 
 
 def write_compact(policy: AlphaVectorPolicy, file: BinaryIO) -> None:
@@ -55,54 +74,65 @@ def read_compact(path: object, file: BinaryIO) -> AlphaVectorPolicy:
                 raise FileError(
                     path, None, f"found format {version.tolist()}, expected version {VERSION}"
                 )
-            start = _array(path, archive, "start", "<i8", 1).astype(np.int64)
-            actions = _array(path, archive, "actions", "<i8", 1).astype(np.int64)
-            vectors = _array(path, archive, "vectors", "<f8", 2).astype(np.float64)
-    except (
-        zipfile.BadZipFile,
-        zlib.error,
-        EOFError,
-        KeyError,
-        NotImplementedError,
-        OSError,
-        RuntimeError,
-    ) as error:
+            start = _array(path, archive, "start", "<i8", 1, MAX_VALUES + 1)
+            actions = _array(path, archive, "actions", "<i8", 1)
+            vectors = _array(path, archive, "vectors", "<f8", 2)
+    except FileError:
+        raise
+    except DAMAGE as error:
         raise FileError(
             path, None, "found a damaged archive or another format, expected a compact policy"
         ) from error
-    _check(path, start, vectors, actions)
-    return AlphaVectorPolicy(start=start, vectors=vectors, actions=actions)
+    policy = AlphaVectorPolicy(
+        start=start.astype(np.int64, copy=False),
+        vectors=vectors.astype(np.float64, copy=False),
+        actions=actions.astype(np.int64, copy=False),
+    )
+    _check(path, policy.start, policy.vectors, policy.actions)
+    return policy
 
 
 def _array(
-    path: object, archive: zipfile.ZipFile, name: str, kind: str, axes: int
-) -> np.typing.NDArray[np.generic]:
-    """The array ``name``, which must have the type ``kind`` and ``axes`` axes."""
-    info = archive.getinfo(f"{name}.npy")
-    if info.file_size > 8 * MAX_POLICY + HEADER:
-        raise FileError(
-            path, None, f"found {info.file_size:,} bytes of {name}, expected fewer numbers"
-        )
-    with archive.open(info) as member:
+    path: object,
+    archive: zipfile.ZipFile,
+    name: str,
+    kind: str,
+    axes: int,
+    most: int = MAX_POLICY,
+) -> NDArray[np.generic]:
+    """The array ``name``: of the type ``kind``, with ``axes`` axes and at most ``most`` numbers."""
+    with archive.open(f"{name}.npy") as member:
         try:
             version = npy.read_magic(member)
             read = npy.read_array_header_1_0 if version == (1, 0) else npy.read_array_header_2_0
             shape, by_column, found = read(member, max_header_size=HEADER)
-        except ValueError as error:
+        except (ValueError, SyntaxError, TokenError) as error:
             raise FileError(path, None, f"found no array {name}, expected one") from error
-        if found != np.dtype(kind) or len(shape) != axes or by_column:
+        whole = all(type(n) is int and n >= 0 for n in shape)
+        if found != np.dtype(kind) or len(shape) != axes or by_column or not whole:
             raise FileError(
                 path,
                 None,
-                f"found {name} of type {found} and shape {shape}, expected {kind} and {axes} axes",
+                f"found {name} of type {found} and shape {excerpt(str(shape))}, "
+                f"expected {kind} and {axes} axes",
             )
-        size = math.prod(shape) * found.itemsize
-        if min(shape) < 0 or size > info.file_size:
-            raise FileError(path, None, f"found {name} cut short, expected shape {shape}")
-        data = member.read()
-    if len(data) != size:
-        raise FileError(path, None, f"found {len(data)} bytes of {name}, expected {size}")
-    return np.frombuffer(data, dtype=found).reshape(shape)
+        size = math.prod(shape)
+        if size > most:
+            raise FileError(
+                path,
+                None,
+                f"found {name} of shape {excerpt(str(shape))}, expected at most {most:,} numbers",
+            )
+        room = bytearray(size * found.itemsize)
+        at = 0
+        while data := member.read(min(PIECE, len(room) - at + 1)):
+            if at + len(data) > len(room):
+                raise FileError(path, None, f"found too many bytes of {name}, expected {len(room)}")
+            room[at : at + len(data)] = data
+            at += len(data)
+    if at != len(room):
+        raise FileError(path, None, f"found {name} cut short, expected {len(room)} bytes")
+    return np.frombuffer(room, dtype=found).reshape(shape)
 
 
 def _check(path: object, start: IntArray, vectors: FloatArray, actions: IntArray) -> None:

@@ -33,6 +33,9 @@ ENUM = -2
 NOTHING = -1
 """Instead of an operation: there is none."""
 
+KNOWN = 500_000
+"""Operations that are used again where entries repeat."""
+
 Selectors = tuple[int, ...]
 """For each axis a value, `WILD` or `ENUM`."""
 
@@ -80,7 +83,8 @@ class LayeredTable:
             op = self._known.get(key)
             if op is None:
                 nonzero = np.flatnonzero(values)
-                op = self._known[key] = self._operation(line, pattern, nonzero, values[nonzero])
+                op = self._operation(line, pattern, nonzero, values[nonzero])
+                self._remember(key, op)
             self._log(self._cells(line, selectors)[0], op, self._is_whole(selectors))
             return
         outer = [i for i in self._outer if selectors[i] == ENUM]
@@ -96,7 +100,8 @@ class LayeredTable:
             key = (pattern, nonzero.tobytes(), row[nonzero].tobytes())
             op = self._known.get(key)
             if op is None:
-                op = self._known[key] = self._operation(line, pattern, nonzero, row[nonzero])
+                op = self._operation(line, pattern, nonzero, row[nonzero])
+                self._remember(key, op)
             self._log(at, op, whole)
 
     def set_identity(self, line: int, selectors: Selectors) -> None:
@@ -156,6 +161,12 @@ class LayeredTable:
         return build_slices(
             self._path, operations, self._base, _integers(self._cell), _integers(self._op)
         )
+
+    def _remember(self, key: tuple[Selectors, bytes, bytes], op: int) -> None:
+        """Use ``op`` again; the oldest are forgotten when there are too many."""
+        if len(self._known) == KNOWN:
+            self._known.clear()
+        self._known[key] = op
 
     def _note(self, line: int, selectors: Selectors) -> None:
         self._entry_line.append(line)

@@ -37,6 +37,12 @@ MAX_DEPTH = 200
 MAX_POLICY = 40_000_000
 """Numbers in all alpha vectors of a policy (8 bytes each)."""
 
+MAX_NODES = 500_000
+"""Elements of all decision diagrams of a file."""
+
+MAX_CHARACTERS = 50_000_000
+"""Characters in the names of all combinations of several variables."""
+
 MAX_VARIABLES = 1000
 """Variables of a problem, of all kinds together."""
 

@@ -16,7 +16,7 @@ from coadapt.arrays import FloatArray
 from coadapt.errors import FileError, excerpt
 from coadapt.momdp.files.limits import MAX_POLICY, MAX_VALUES
 from coadapt.momdp.files.sparse_rows import starts
-from coadapt.momdp.files.values import INTEGER, joined, numbers
+from coadapt.momdp.files.values import INTEGER, joined, numbers, read_numbers
 from coadapt.momdp.files.xml_events import Kind, parse_xml
 from coadapt.momdp.policy import AlphaVectorPolicy
 
@@ -87,8 +87,8 @@ class _Collector:
             if self._line is not None:
                 raise FileError(self._path, line, "found <AlphaVector> again, expected it once")
             self._line = line
-            self._length = self._index(line, attributes, "vectorLength", MAX_VALUES)
-            self._values = self._index(line, attributes, "numObsValue", MAX_VALUES)
+            self._length = self._index(line, attributes, "vectorLength", MAX_VALUES, 1)
+            self._values = self._index(line, attributes, "numObsValue", MAX_VALUES, 1)
             self._count = self._index(line, attributes, "numVectors", MAX_POLICY)
         elif name in ("Vector", "SparseVector"):
             self._states.append(self._index(line, attributes, "obsValue", self._values - 1))
@@ -105,14 +105,9 @@ class _Collector:
     def end(self, line: int, path: tuple[str, ...], text: str) -> None:
         """Read the numbers of a vector."""
         if path[-1] == "Vector":
-            words = text.split()
-            if len(words) != self._length:
-                raise FileError(
-                    self._path, line, f"found {len(words)} numbers, expected {self._length}"
-                )
-            self._vectors.append(numbers(self._path, line, words, "a number"))
+            self._vectors.append(read_numbers(self._path, line, text, self._length, numbers))
         elif path[-1] == "Entry":
-            words = text.split()
+            words = text.split(None, 2)
             if len(words) != 2 or not _is_index(words[0], self._length - 1):
                 raise FileError(
                     self._path,
@@ -120,7 +115,7 @@ class _Collector:
                     f"found {excerpt(text.strip())}, expected an index below {self._length} and "
                     "a number",
                 )
-            self._vectors[-1][int(words[0])] = numbers(self._path, line, words[1:], "a number")[0]
+            self._vectors[-1][int(words[0])] = numbers(self._path, line, words[1:])[0]
 
     def policy(self) -> AlphaVectorPolicy:
         """The policy, its vectors by observed state."""
@@ -134,8 +129,8 @@ class _Collector:
             )
         states = np.array(self._states, dtype=np.int64)
         counts = np.bincount(states, minlength=self._values)
-        if self._values == 0 or (counts == 0).any():
-            missing = int(np.argmin(counts)) if self._values else 0
+        if (counts == 0).any():
+            missing = int(np.argmin(counts))
             raise FileError(
                 self._path,
                 self._line,
@@ -148,13 +143,15 @@ class _Collector:
             actions=np.array(self._actions, dtype=np.int64)[order],
         )
 
-    def _index(self, line: int, attributes: dict[str, str], name: str, last: int) -> int:
+    def _index(
+        self, line: int, attributes: dict[str, str], name: str, last: int, first: int = 0
+    ) -> int:
         text = attributes[name].strip()
-        if not _is_index(text, last):
+        if not _is_index(text, last) or int(text) < first:
             raise FileError(
                 self._path,
                 line,
-                f"found {name}={excerpt(text)}, expected a whole number from 0 to {last}",
+                f"found {name}={excerpt(text)}, expected a whole number from {first} to {last}",
             )
         return int(text)
 

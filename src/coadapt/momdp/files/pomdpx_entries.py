@@ -14,7 +14,7 @@ from coadapt.momdp.files.limits import MAX_REWARDS, check_size
 from coadapt.momdp.files.pomdpx_diagram import read_diagram
 from coadapt.momdp.files.pomdpx_variables import ACTION, OBSERVED, Axis, Variables
 from coadapt.momdp.files.pomdpx_xml import RawTable
-from coadapt.momdp.files.values import numbers, probabilities
+from coadapt.momdp.files.values import numbers, pieces, probabilities, read_numbers
 
 
 @dataclass(frozen=True)
@@ -84,7 +84,7 @@ def read_factor(
     elif raw.roots:
         raise FileError(path, raw.line, "found a decision diagram, expected type='DD'")
     for line, instance, text in raw.entries:
-        _read_entry(path, line, instance.split(), text, axes, table, probability=about)
+        _read_entry(path, line, instance, text, axes, table, probability=about)
     return Factor(
         raw.line,
         raw.variable,
@@ -99,7 +99,7 @@ def read_factor(
 def _read_entry(
     path: object,
     line: int,
-    instance: list[str],
+    instance: str,
     text: str,
     axes: Sequence[Axis],
     table: LayeredTable,
@@ -107,49 +107,42 @@ def _read_entry(
     probability: bool,
 ) -> None:
     selectors = _selectors(path, line, instance, axes)
-    words = text.split()
+    word = text.strip()
     listed = [i for i, s in enumerate(selectors) if s == ENUM]
-    if probability and words == ["uniform"]:
+    if probability and word == "uniform":
         if selectors[-1] >= 0:
             raise FileError(
-                path, line, f"found {excerpt(instance[-1])} before uniform, expected '-'"
+                path,
+                line,
+                f"found {excerpt(instance.rsplit(maxsplit=1)[-1])} before uniform, expected '-'",
             )
         anywhere: Selectors = tuple(WILD if s == ENUM else s for s in selectors)
         table.set(line, anywhere, np.array([1.0 / axes[-1].variable.size]))
         return
-    if probability and words == ["identity"]:
+    if probability and word == "identity":
         sizes = {axes[i].variable.size for i in listed}
         if len(listed) != 2 or len(sizes) != 1 or listed[-1] != len(axes) - 1:
             raise FileError(
                 path,
                 line,
-                f"found identity for {excerpt(' '.join(instance))}, expected two '-' of the same "
-                "number of values, the second of them last",
+                f"found identity for {excerpt(' '.join(instance.split()))}, expected two '-' of "
+                "the same number of values, the second of them last",
             )
         table.set_identity(line, selectors)
         return
     count = math.prod(axes[i].variable.size for i in listed)
     check_size(path, line, "numbers", (count,), MAX_REWARDS)
-    if len(words) != count:
-        if probability and words:
-            probabilities(path, line, words[:count])
-        raise FileError(path, line, f"found {len(words)} numbers, expected {count}")
-    if probability:
-        values = probabilities(path, line, words)
-    else:
-        values = numbers(path, line, words, "a number")
-    table.set(line, selectors, values)
+    read = probabilities if probability else numbers
+    table.set(line, selectors, read_numbers(path, line, text, count, read))
 
 
-def _selectors(path: object, line: int, instance: list[str], axes: Sequence[Axis]) -> Selectors:
-    if len(instance) != len(axes):
-        raise FileError(
-            path,
-            line,
-            f"found {len(instance)} words in the instance, expected {len(axes)}",
-        )
+def _selectors(path: object, line: int, instance: str, axes: Sequence[Axis]) -> Selectors:
+    words = instance.split(None, len(axes))
+    if len(words) != len(axes):
+        found = sum(len(some) for some in pieces(instance))
+        raise FileError(path, line, f"found {found} words in the instance, expected {len(axes)}")
     chosen: list[int] = []
-    for word, axis in zip(instance, axes, strict=True):
+    for word, axis in zip(words, axes, strict=True):
         index = axis.variable.index.get(word)
         if index is None:
             if word not in ("*", "-"):

@@ -9,6 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
 
@@ -16,6 +17,7 @@ from coadapt.arrays import IntArray
 from coadapt.errors import FileError, excerpt
 from coadapt.momdp.files.layered import steps
 from coadapt.momdp.files.limits import (
+    MAX_CHARACTERS,
     MAX_OBSERVATIONS,
     MAX_PAIRS,
     MAX_REWARDS,
@@ -27,6 +29,14 @@ from coadapt.momdp.files.values import whole_number
 
 OBSERVED, HIDDEN, ACTION, OBSERVATION = "x", "y", "a", "o"
 """The groups of variables."""
+
+KINDS = {
+    OBSERVED: "observed states",
+    HIDDEN: "hidden states",
+    ACTION: "actions",
+    OBSERVATION: "observations",
+}
+"""What the combinations of the values of each group are."""
 
 NAME_JOINT = ","
 """Between the parts of a name in a product."""
@@ -143,7 +153,8 @@ def read_variables(path: object, document: RawDocument) -> Variables:
     states: list[tuple[str, str]] = []
     taken: dict[str, int] = {}
     line = document.sections.get("Variable")
-    for raw in document.variables:
+    declared = _declared(path, document)
+    for place, raw in enumerate(document.variables):
         for attribute in ("vname", "vnamePrev", "vnameCurr"):
             name = raw.attributes.get(attribute, "").strip()
             if name and (name in taken or len(name.split()) > 1 or name in ("*", "-", "null")):
@@ -152,8 +163,9 @@ def read_variables(path: object, document: RawDocument) -> Variables:
         if raw.kind == "RewardVar":
             rewards.append(raw.attributes["vname"].strip())
             continue
-        group = _group(path, raw)
-        names = _values(path, raw, {OBSERVED: "s", HIDDEN: "s"}.get(group, group))
+        group, values = declared[place]
+        letter = {OBSERVED: "s", HIDDEN: "s"}.get(group, group)
+        names = tuple(f"{letter}{i}" for i in values) if isinstance(values, range) else values
         index = {name: i for i, name in enumerate(names)}
         variable = Variable(group, len(groups[group]), names, index)
         groups[group].append(variable)
@@ -171,18 +183,37 @@ def read_variables(path: object, document: RawDocument) -> Variables:
     ):
         if not found:
             raise FileError(path, line, f"found no <{what}>, expected at least one")
-    x, y, a, o = (math.prod(v.size for v in groups[group]) for group in "xyao")
-    check_size(path, line, "observed states x actions x hidden states", (x, a, y), MAX_REWARDS)
-    check_size(path, line, "actions x observed states", (a, x), MAX_PAIRS)
-    check_size(path, line, "hidden states", (y,), MAX_VALUES)
-    check_size(path, line, "hidden states x observations", (y, o), MAX_OBSERVATIONS)
-    check_size(path, line, "observations", (o,), MAX_VALUES)
     return Variables(
-        *(_product(group, groups[group]) for group in (OBSERVED, HIDDEN, ACTION, OBSERVATION)),
+        *(_product(path, line, group, groups[group]) for group in KINDS),
         axes=axes,
         rewards=tuple(rewards),
         states=tuple(states),
     )
+
+
+def _declared(path: object, document: RawDocument) -> list[tuple[str, range | tuple[str, ...]]]:
+    """Group and values of each variable; ``range`` stands for values without names.
+
+    Raises:
+        FileError: if there are too many combinations: checked before anything of their number is
+            made.
+    """
+    sizes = dict.fromkeys(KINDS, 1)
+    declared: list[tuple[str, range | tuple[str, ...]]] = []
+    for raw in document.variables:
+        if raw.kind == "RewardVar":
+            declared.append((raw.kind, range(0)))
+            continue
+        group, values = _group(path, raw), _values(path, raw)
+        check_size(path, raw.line, KINDS[group], (sizes[group], len(values)), MAX_VALUES)
+        sizes[group] *= len(values)
+        declared.append((group, values))
+    line = document.sections.get("Variable")
+    x, y, a, o = (sizes[group] for group in (OBSERVED, HIDDEN, ACTION, OBSERVATION))
+    check_size(path, line, "observed states x actions x hidden states", (x, a, y), MAX_REWARDS)
+    check_size(path, line, "actions x observed states", (a, x), MAX_PAIRS)
+    check_size(path, line, "hidden states x observations", (y, o), MAX_OBSERVATIONS)
+    return declared
 
 
 def _group(path: object, raw: RawVariable) -> str:
@@ -194,7 +225,7 @@ def _group(path: object, raw: RawVariable) -> str:
     return OBSERVED if text in ("true", "1") else HIDDEN
 
 
-def _values(path: object, raw: RawVariable, letter: str) -> tuple[str, ...]:
+def _values(path: object, raw: RawVariable) -> range | tuple[str, ...]:
     if (raw.values is None) == (raw.count is None):
         found = "neither" if raw.values is None else "both"
         raise FileError(
@@ -206,10 +237,11 @@ def _values(path: object, raw: RawVariable, letter: str) -> tuple[str, ...]:
             raise FileError(
                 path, raw.line, f"found {count} values, expected at most {MAX_VALUES:,}"
             )
-        return tuple(f"{letter}{i}" for i in range(count))
-    names = tuple((raw.values or "").split())
+        return range(count)
+    names = tuple((raw.values or "").split(None, MAX_VALUES))
     if not 1 <= len(names) <= MAX_VALUES:
-        raise FileError(path, raw.line, f"found {len(names)} values, expected 1 to {MAX_VALUES:,}")
+        found = f"more than {MAX_VALUES:,}" if names else "0"
+        raise FileError(path, raw.line, f"found {found} values, expected 1 to {MAX_VALUES:,}")
     if len(set(names)) < len(names) or {"*", "-"} & set(names):
         seen: set[str] = {"*", "-"}
         for name in names:
@@ -219,17 +251,17 @@ def _values(path: object, raw: RawVariable, letter: str) -> tuple[str, ...]:
     return names
 
 
-def _product(group: str, variables: Sequence[Variable]) -> Product:
-    names: list[str] = [""]
-    for variable in variables:
-        names = [
-            f"{first}{NAME_JOINT}{second}" if first else second
-            for first in names
-            for second in variable.names
-        ]
+def _product(path: object, line: int | None, group: str, variables: Sequence[Variable]) -> Product:
     if not variables:
-        names = [f"{group}{NO_VARIABLE}"]
-    if len(variables) > 1 and len(set(names)) < len(names):
+        return Product((), (f"{group}{NO_VARIABLE}",))
+    if len(variables) == 1:
+        return Product(tuple(variables), variables[0].names)
+    count = math.prod(v.size for v in variables)
+    letters = sum(count // v.size * sum(map(len, v.names)) + count for v in variables)
+    what = f"characters in the names of the {KINDS[group]}"
+    check_size(path, line, what, (letters,), MAX_CHARACTERS)
+    names = [NAME_JOINT.join(parts) for parts in product(*(v.names for v in variables))]
+    if len(set(names)) < count:
         names = [f"{name}{NAME_JOINT}{i}" for i, name in enumerate(names)]
     return Product(tuple(variables), tuple(names))
 

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 from typing import BinaryIO, final
 
 from coadapt.errors import FileError, excerpt
-from coadapt.momdp.files.limits import MAX_VARIABLES
+from coadapt.momdp.files.limits import MAX_NODES, MAX_VARIABLES
 from coadapt.momdp.files.values import one_number
 from coadapt.momdp.files.xml_events import ANYTHING, Kind, parse_xml
 
@@ -80,7 +80,7 @@ class RawVariable:
     count: str | None = None
 
 
-@dataclass
+@dataclass(slots=True)
 class RawNode:
     """An element of a decision diagram.
 
@@ -164,6 +164,7 @@ class _Collector:
         self._instance: str | None = None
         self._numbers: str | None = None
         self._nodes: list[RawNode] = []
+        self._count = 0
 
     def begin(self, line: int, path: tuple[str, ...], attributes: dict[str, str]) -> None:
         """Make room for what the element will contain."""
@@ -184,6 +185,13 @@ class _Collector:
             if not self.document.tables[-1].diagram:
                 raise FileError(
                     self._path, line, f"found <{name}>, expected <Entry> unless type='DD'"
+                )
+            self._count += 1
+            if self._count > MAX_NODES:
+                raise FileError(
+                    self._path,
+                    line,
+                    f"found more than {MAX_NODES:,} elements of decision diagrams, expected fewer",
                 )
             self._nodes.append(RawNode(line, name, attributes))
         elif name in SECTIONS or name == "Variable":
@@ -223,7 +231,7 @@ class _Collector:
             table = document.tables[-1]
             if table.parents is not None:
                 raise FileError(self._path, line, "found <Parent> again, expected it once")
-            table.parents = [word for word in text.split() if word != "null"]
+            table.parents = [word for word in text.split(None, 2 * MAX_VARIABLES) if word != "null"]
         elif self._nodes and name in (self._nodes[-1].kind,):
             self._end_node(text)
 
@@ -236,14 +244,14 @@ class _Collector:
             raise FileError(
                 self._path,
                 line,
-                f"found discount {text.strip()}, expected at least 0 and below 1: without "
+                f"found discount {excerpt(text.strip())}, expected at least 0 and below 1: without "
                 "discounting the value of going on for ever need not be finite",
             )
         self.document.discount = discount
 
     def _variable(self, line: int, text: str) -> None:
         table = self.document.tables[-1]
-        words = text.split()
+        words = text.split(None, 1)
         if len(words) != 1 or table.variable:
             raise FileError(
                 self._path, line, f"found {excerpt(text.strip())}, expected one variable"

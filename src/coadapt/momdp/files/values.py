@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import re
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
 
 import numpy as np
 
@@ -24,6 +24,11 @@ PROBABILITY_TOLERANCE = 1e-9
 
 MAX_DIGITS = 18
 """Digits of a whole number."""
+
+PIECE = 1 << 16
+"""Characters that are split into words at a time."""
+
+SPACE = re.compile(r"\s")
 
 
 def is_number(token: str) -> bool:
@@ -53,7 +58,7 @@ def one_number(path: object, line: int, token: str, what: str) -> float:
     return float(token)
 
 
-def numbers(path: object, line: int, tokens: Sequence[str], what: str) -> FloatArray:
+def numbers(path: object, line: int, tokens: Sequence[str], what: str = "a number") -> FloatArray:
     """The finite numbers ``tokens``, as an array ``[N]``.
 
     Raises:
@@ -86,6 +91,46 @@ def probabilities(path: object, line: int, tokens: Sequence[str]) -> FloatArray:
         found = tokens[int(np.argmax(wrong))]
         raise FileError(path, line, f"found {excerpt(found)}, expected a probability from 0 to 1")
     return parsed
+
+
+def pieces(text: str) -> Iterator[list[str]]:
+    """The words of ``text``, some at a time: a word takes many times the memory of its letters."""
+    at = 0
+    while (gap := SPACE.search(text, at + PIECE)) is not None:
+        yield text[at : gap.start()].split()
+        at = gap.start()
+    yield text[at:].split()
+
+
+def read_numbers(
+    path: object,
+    line: int,
+    text: str,
+    count: int,
+    read: Callable[[object, int, list[str]], FloatArray],
+) -> FloatArray:
+    """The ``count`` numbers in ``text``, as an array ``[count]``.
+
+    Args:
+        path, line: where ``text`` stands.
+        text: the numbers, separated by white space.
+        count: how many there must be.
+        read: turns words into numbers.
+
+    Raises:
+        FileError: if ``read`` raises it, or there are more or fewer numbers.
+    """
+    parts: list[FloatArray] = []
+    missing = count
+    for words in pieces(text):
+        missing -= len(words)
+        parts.append(read(path, line, words[: len(words) + min(missing, 0)]))
+        if missing < 0:
+            break
+    if missing != 0:
+        found = sum(len(words) for words in pieces(text))
+        raise FileError(path, line, f"found {found} numbers, expected {count}")
+    return parts[0] if len(parts) == 1 else np.concatenate(parts)
 
 
 def shortest(value: float) -> str:
