@@ -14,6 +14,7 @@ from coadapt import __version__
 from coadapt.errors import InputError, printable
 
 COMMANDS = {
+    "evaluate": "Evaluate a policy by simulation and exactly.",
     "play": "Steer the robot with the arrow keys, in this terminal.",
     "replay": "Run a recorded log of human inputs through a robot.",
     "reproduce": "Write the report of the published results.",

@@ -8,12 +8,12 @@ from contextlib import contextmanager
 
 
 @contextmanager
-def progress_line() -> Generator[Callable[[str], None]]:
+def progress_line(on: bool = True) -> Generator[Callable[[str], None]]:
     """Call the result to say what is being done; the line disappears in the end.
 
-    It is on standard error, and only where that is a terminal.
+    It is on standard error, and only where that is a terminal and the line is ``on``.
     """
-    if not sys.stderr.isatty():
+    if not (on and sys.stderr.isatty()):
         yield lambda _: None
         return
     from rich.console import Console

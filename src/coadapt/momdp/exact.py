@@ -109,7 +109,7 @@ def exact_value(
     states, hidden, actions, _ = problem.shape
     if hidden > MAX_HIDDEN:
         raise ValueError(f"{hidden} hidden states are too many; exact values need {MAX_HIDDEN}")
-    low, high = _return_range(problem)
+    low, high = return_range(problem)
     if not tolerance > 1e-9 * max(1.0, abs(low), abs(high)):
         raise ValueError(f"tolerance {tolerance} is too small for values of {low:g} to {high:g}")
     edges = [[_edges(problem, x, a) for a in range(actions)] for x in range(states)]
@@ -135,7 +135,7 @@ def exact_value(
     return ExactSolution(lower, lower + error, policy, error, iterations)
 
 
-def _return_range(problem: MOMDP) -> tuple[float, float]:
+def return_range(problem: MOMDP) -> tuple[float, float]:
     """Bounds of the discounted sum of rewards of an episode that may end at any time."""
     worst, best = float(problem.reward.min()), float(problem.reward.max())
     forever = 1.0 / (1.0 - problem.discount)
@@ -337,7 +337,7 @@ def _observed_bounds(problem: MOMDP) -> tuple[FloatArray, FloatArray]:
     Value iteration from a bound gives a bound after any number of sweeps.
     """
     states, hidden, actions, _ = problem.shape
-    low, high = _return_range(problem)
+    low, high = return_range(problem)
     worst, best = np.full((states, hidden), low), np.full((states, hidden), high)
     edges = [[_edges(problem, x, a) for a in range(actions)] for x in range(states)]
     for _ in range(SWEEPS):
