@@ -54,7 +54,11 @@ def backup_upper(p: Problem, tree: Tree, n: int, scratch: FloatArray) -> int:
 
 @kernel
 def backup_lower(p: Problem, tree: Tree, n: int) -> None:
-    """Add the alpha vector of the best action at opened node ``n``, if it raises the bound."""
+    """Add the alpha vector of the best action at opened node ``n``, if it raises the bound.
+
+    Only actions that once led by their upper bound are looked at: the optimal one does sooner or
+    later, and most of the others never need children.
+    """
     actions = p.reward.shape[1]
     node = tree.nodes[n]
     r = node["first_branch"]
@@ -62,9 +66,8 @@ def backup_lower(p: Problem, tree: Tree, n: int) -> None:
     best = NONE
     best_value = node["lower"] + GAIN * (1.0 + abs(node["lower"]))
     for a in range(actions):
-        if tree.branches[r + a]["upper"] > best_value:
-            if tree.branches[r + a]["first_child"] == NONE:
-                expand_branch(p, tree, n, a)
+        branch = tree.branches[r + a]
+        if branch["first_child"] != NONE and branch["upper"] > best_value:
             value = q_lower(p, tree, r + a)
             if value > best_value:
                 best = a

@@ -45,33 +45,72 @@ def mdp_values(p: Problem, tolerance: float, sweeps: int) -> FloatArray:
     states, actions, hidden = p.reward.shape
     value = np.empty((states, hidden))
     value.fill(extreme_value(p, 1.0))
-    q = np.empty((states, actions, hidden))
+    stays = staying(p)
+    new = np.empty(hidden)
+    best = np.empty(hidden)
     for sweep in range(sweeps):
         change = 0.0
         for i in range(states):
             # Alternate directions: values travel along either order of the states in one sweep.
             x = i if sweep % 2 == 0 else states - 1 - i
+            best.fill(-np.inf)
             for a in range(actions):
-                backed_up_value(p, x, a, value, q[x, a])
+                back_up(p, x, a, value, new)
+                leave(p, stays, x, a, value, new)
+                for y in range(hidden):
+                    best[y] = max(best[y], new[y])
             for y in range(hidden):
-                best = q[x, 0, y]
-                for a in range(1, actions):
-                    best = max(best, q[x, a, y])
-                change = max(change, value[x, y] - best)
-                value[x, y] = best
+                change = max(change, value[x, y] - best[y])
+                value[x, y] = best[y]
         if change <= tolerance:
             break
+    q = np.empty((states, actions, hidden))
+    for x in range(states):
+        for a in range(actions):
+            back_up(p, x, a, value, q[x, a])
     return q
 
 
 @kernel
-def backed_up_value(p: Problem, x: int, a: int, value: FloatArray, out: FloatArray) -> None:
+def back_up(p: Problem, x: int, a: int, value: FloatArray, out: FloatArray) -> None:
     """Write ``R(x, a, .) + gamma sum P(x', y' | x, ., a) value(x', y')`` to ``out`` ``[Y]``."""
     for y in range(out.shape[0]):
         out[y] = p.reward[x, a, y]
     row = x * p.reward.shape[1] + a
     for e in range(p.edge_start[row], p.edge_start[row + 1]):
         pull(p, p.edge_map[e], p.discount, value[p.edge_next[e]], out)
+
+
+@kernel
+def leave(
+    p: Problem, stays: FloatArray, x: int, a: int, value: FloatArray, out: FloatArray
+) -> None:
+    """Turn ``out`` ``[Y]``, the backed-up value of ``a`` once, into that of ``a`` until ``(x, y)``
+    changes: all turns of the loop at once, which saves their sweeps. ``stays`` is `staying`."""
+    row = x * p.reward.shape[1] + a
+    for e in range(p.edge_start[row], p.edge_start[row + 1]):
+        if p.edge_next[e] != x:
+            continue
+        # Edges of one row lead to different states, so this is the only loop.
+        for y in range(out.shape[0]):
+            stay = p.discount * stays[p.edge_map[e], y]
+            out[y] = (out[y] - stay * value[x, y]) / (1.0 - stay)
+
+
+@kernel
+def staying(p: Problem) -> FloatArray:
+    """``[K, Y]`` the probability with which each map keeps each hidden state."""
+    hidden = p.reward.shape[2]
+    maps = p.target.shape[0] if p.jumps else (p.row_start.shape[0] - 1) // hidden
+    index = np.empty(hidden, dtype=np.int64)
+    chance = np.empty(hidden)
+    kept = np.zeros((maps, hidden))
+    for k in range(maps):
+        for y in range(hidden):
+            for i in range(row_of(p, k, y, index, chance)):
+                if index[i] == y:
+                    kept[k, y] += chance[i]
+    return kept
 
 
 @kernel
@@ -82,6 +121,10 @@ def fast_informed_bound(p: Problem, q: FloatArray, tolerance: float, sweeps: int
     chance = np.empty(hidden)
     after = np.zeros((p.observations, actions))
     touched = np.zeros(p.observations, dtype=np.int64)
+    value = np.empty((states, hidden))
+    for x in range(states):
+        for y in range(hidden):
+            value[x, y] = q[x, :, y].max()
     for sweep in range(sweeps):
         change = 0.0
         for i in range(states):
@@ -91,13 +134,20 @@ def fast_informed_bound(p: Problem, q: FloatArray, tolerance: float, sweeps: int
                     new = p.reward[x, a, y]
                     row = x * actions + a
                     for e in range(p.edge_start[row], p.edge_start[row + 1]):
+                        x_next = p.edge_next[e]
                         size = row_of(p, p.edge_map[e], y, index, chance)
-                        new += p.discount * informed_step(
-                            p, q, a, p.edge_next[e], index[:size], chance[:size], after, touched
-                        )
+                        if size == 1:  # observations tell nothing more
+                            step = chance[0] * value[x_next, index[0]]
+                        else:
+                            step = informed_step(
+                                p, q, a, x_next, index[:size], chance[:size], after, touched
+                            )
+                        new += p.discount * step
                     if new < q[x, a, y]:
                         change = max(change, q[x, a, y] - new)
                         q[x, a, y] = new
+            for y in range(hidden):
+                value[x, y] = q[x, :, y].max()
         if change <= tolerance:
             break
 
@@ -152,12 +202,14 @@ def policy_values(p: Problem, policy: IntArray, tolerance: float, sweeps: int) -
     states, _, hidden = p.reward.shape
     value = np.empty((states, hidden))
     value.fill(extreme_value(p, -1.0))
+    stays = staying(p)
     new = np.empty(hidden)
     for sweep in range(sweeps):
         change = 0.0
         for i in range(states):
             x = i if sweep % 2 == 0 else states - 1 - i
-            backed_up_value(p, x, policy[x], value, new)
+            back_up(p, x, policy[x], value, new)
+            leave(p, stays, x, policy[x], value, new)
             for y in range(hidden):
                 change = max(change, new[y] - value[x, y])
                 value[x, y] = new[y]

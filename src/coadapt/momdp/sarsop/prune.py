@@ -19,7 +19,7 @@ def retire_vectors(tree: Tree) -> None:
     wanted = np.zeros(count, dtype=np.bool_)
     for n in range(tree.used[NODES]):
         node = tree.nodes[n]
-        if node["vector"] != NONE:
+        if node["vector"] != NONE and node["first_branch"] != NONE:
             v = node["vector"]
             while tree.vectors[v]["replaced_by"] != NONE:
                 v = tree.vectors[v]["replaced_by"]
