@@ -5,7 +5,13 @@ from __future__ import annotations
 import numpy as np
 
 from coadapt.arrays import FloatArray
-from coadapt.momdp.sarsop.bounds import add_point, add_vector, refresh_lower, refresh_upper
+from coadapt.momdp.sarsop.bounds import (
+    add_point,
+    add_vector,
+    lower_upper,
+    refresh_lower,
+    refresh_upper,
+)
 from coadapt.momdp.sarsop.expand import expand_branch
 from coadapt.momdp.sarsop.jit import kernel
 from coadapt.momdp.sarsop.problem import Problem, pull
@@ -47,7 +53,7 @@ def backup_upper(p: Problem, tree: Tree, n: int, scratch: FloatArray) -> int:
         branch["upper"] = min(branch["upper"], total)
     leading = tree.branches[r + best]["upper"]
     if leading < node["upper"] - GAIN * (1.0 + abs(leading)):
-        node["upper"] = leading
+        lower_upper(tree, n, leading)
         add_point(tree, n)
     return best
 

@@ -54,15 +54,15 @@ def refresh_upper(tree: Tree, n: int, scratch: FloatArray) -> float:
     for i in range(first, last):
         scratch[tree.entry_y[i]] = tree.entry_mass[i]
     below = node["corners"] - node["upper"]
+    outside = ~node["support"]
     while i_point > seen:
         point = tree.points[i_point]
         drop = point["drop"]
-        if drop > below:
-            other = tree.nodes[point["node"]]
-            start = other["first_entry"]
+        if drop > below and point["support"] & outside == 0:
+            start = point["first_entry"]
             needed = below / drop  # smallest ratio that would improve the bound
             ratio = 1.0
-            for j in range(start, start + other["entries"]):
+            for j in range(start, start + point["entries"]):
                 mass = scratch[tree.entry_y[j]]
                 if mass <= needed * tree.entry_mass[j]:
                     ratio = needed
@@ -71,10 +71,20 @@ def refresh_upper(tree: Tree, n: int, scratch: FloatArray) -> float:
             if ratio > needed:
                 below = drop * ratio
         i_point = point["older"]
-    node["upper"] = min(node["upper"], node["corners"] - below)
     for i in range(first, last):
         scratch[tree.entry_y[i]] = 0.0
+    lower_upper(tree, n, node["corners"] - below)
     return node["upper"]
+
+
+@kernel
+def lower_upper(tree: Tree, n: int, upper: float) -> None:
+    """Set the upper bound of node ``n`` to ``upper`` if that is less, and that of its point."""
+    node = tree.nodes[n]
+    if upper < node["upper"]:
+        node["upper"] = upper
+        if node["point"] != NONE:
+            tree.points[node["point"]]["drop"] = node["corners"] - upper
 
 
 @kernel
@@ -144,6 +154,10 @@ def add_point(tree: Tree, n: int) -> None:
     tree.used[POINTS] += 1
     point = tree.points[i]
     point["node"] = n
+    point["first_entry"] = node["first_entry"]
+    point["entries"] = node["entries"]
+    point["support"] = node["support"]
     point["drop"] = drop
     point["older"] = tree.newest_point[node["x"]]
     tree.newest_point[node["x"]] = i
+    node["point"] = i

@@ -22,6 +22,10 @@ PRIME = 2147483647
 """Hashes are taken modulo this, so that no product overflows, compiled or not."""
 
 
+SUPPORT_BITS = 62
+"""A belief's support is kept modulo this, a bit for each remainder."""
+
+
 @kernel
 def add_node(tree: Tree, x: int, index: IntArray, mass: FloatArray) -> int:
     """The node of observed state ``x`` and the belief with ``mass`` on ``index``; new if need be.
@@ -44,7 +48,9 @@ def add_node(tree: Tree, x: int, index: IntArray, mass: FloatArray) -> int:
     tree.used[NODES] += 1
     tree.used[ENTRIES] += size
     corners = 0.0
+    support = 0
     for i in range(size):
+        support |= 1 << (index[i] % SUPPORT_BITS)
         tree.entry_y[first + i] = index[i]
         tree.entry_mass[first + i] = mass[i]
         corners += mass[i] * tree.corner[x, index[i]]
@@ -58,7 +64,9 @@ def add_node(tree: Tree, x: int, index: IntArray, mass: FloatArray) -> int:
     node["x"] = x
     node["first_entry"] = first
     node["entries"] = size
+    node["support"] = support
     node["first_branch"] = NONE
+    node["point"] = NONE
     node["same_hash"] = tree.bucket[h]
     node["lower"] = -np.inf
     node["vector"] = NONE

@@ -113,9 +113,14 @@ def prune_points(tree: Tree) -> None:
         n = tree.points[i]["node"]
         if latest[n] == i:
             x = tree.nodes[n]["x"]
+            old = tree.points[i]
             new = tree.points[used]
             new["node"] = n
-            new["drop"] = tree.points[i]["drop"]
+            new["first_entry"] = old["first_entry"]
+            new["entries"] = old["entries"]
+            new["support"] = old["support"]
+            new["drop"] = old["drop"]
+            tree.nodes[n]["point"] = used
             new["older"] = tree.newest_point[x]
             tree.newest_point[x] = used
             used += 1

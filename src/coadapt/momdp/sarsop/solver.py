@@ -50,7 +50,7 @@ from coadapt.momdp.sarsop.tree import (
 SWEEPS = 10_000
 """Most sweeps of each initial bound."""
 
-POLICIES = 32
+POLICIES = 8
 """Most hidden states whose best policy starts the lower bound."""
 
 CALL_SECONDS = 0.1

@@ -39,6 +39,7 @@ NODE = np.dtype(
         ("x", np.int64),  # observed state
         ("first_entry", np.int64),  # where its belief begins
         ("entries", np.int64),  # how many hidden states it gives mass
+        ("support", np.int64),  # see `support_of`
         ("first_branch", np.int64),  # its branches, one an action, or NONE
         ("same_hash", np.int64),  # next node in the same hash bucket
         ("lower", np.float64),  # lower bound
@@ -47,6 +48,7 @@ NODE = np.dtype(
         ("upper", np.float64),  # upper bound
         ("points_seen", np.int64),  # newest point it was compared with
         ("corners", np.float64),  # upper bound from the corners of the belief simplex alone
+        ("point", np.int64),  # its newest point, or NONE
     ]
 )
 
@@ -88,6 +90,9 @@ GROUP = np.dtype(
 POINT = np.dtype(
     [
         ("node", np.int64),
+        ("first_entry", np.int64),  # of the node's belief
+        ("entries", np.int64),
+        ("support", np.int64),
         ("drop", np.float64),  # how far below the corners the bound lies there
         ("older", np.int64),  # next in the list of its observed state
     ]
