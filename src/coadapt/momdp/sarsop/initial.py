@@ -13,7 +13,7 @@ from __future__ import annotations
 
 import numpy as np
 
-from coadapt.arrays import FloatArray, IntArray
+from coadapt.arrays import BoolArray, FloatArray, IntArray
 from coadapt.momdp.sarsop.jit import kernel
 from coadapt.momdp.sarsop.problem import Problem, pull, row_of
 
@@ -41,34 +41,68 @@ def extreme_value(p: Problem, sign: float) -> float:
 
 @kernel
 def mdp_values(p: Problem, tolerance: float, sweeps: int) -> FloatArray:
-    """``[X, A, Y]`` upper bounds of ``Q`` with the hidden state known to the robot."""
+    """``[X, A, Y]`` upper bounds of ``Q`` with the hidden state known to the robot.
+
+    Values rise from below, since from above the cycles of the problem would hold them up. Where one
+    more sweep raises no value by more than ``d``, adding ``d / (1 - gamma)`` makes them bounds.
+    """
     states, actions, hidden = p.reward.shape
     value = np.empty((states, hidden))
-    value.fill(extreme_value(p, 1.0))
+    value.fill(extreme_value(p, -1.0))
     stays = staying(p)
+    moved = np.zeros(states, dtype=np.int64)  # the sweep in which a value of x last moved
     new = np.empty(hidden)
     best = np.empty(hidden)
-    for sweep in range(sweeps):
+    for sweep in range(1, sweeps + 1):
         change = 0.0
         for i in range(states):
             # Alternate directions: values travel along either order of the states in one sweep.
             x = i if sweep % 2 == 0 else states - 1 - i
+            if sweep > 1 and not leads_to_moved(p, x, moved, sweep - 1):
+                continue
             best.fill(-np.inf)
             for a in range(actions):
                 back_up(p, x, a, value, new)
                 leave(p, stays, x, a, value, new)
                 for y in range(hidden):
                     best[y] = max(best[y], new[y])
+            step = 0.0
             for y in range(hidden):
-                change = max(change, value[x, y] - best[y])
-                value[x, y] = best[y]
-        if change <= tolerance:
+                if best[y] > value[x, y]:
+                    step = max(step, best[y] - value[x, y])
+                    value[x, y] = best[y]
+            if step > 0.0:
+                moved[x] = sweep
+            change = max(change, step)
+        if change <= tolerance * (1.0 - p.discount):
             break
+    short = 0.0
+    for x in range(states):
+        for a in range(actions):
+            back_up(p, x, a, value, new)
+            for y in range(hidden):
+                short = max(short, new[y] - value[x, y])
+    most = extreme_value(p, 1.0)
+    for x in range(states):
+        for y in range(hidden):
+            value[x, y] = min(value[x, y] + short / (1.0 - p.discount), most)
     q = np.empty((states, actions, hidden))
     for x in range(states):
         for a in range(actions):
             back_up(p, x, a, value, q[x, a])
     return q
+
+
+@kernel
+def leads_to_moved(p: Problem, x: int, moved: IntArray, since: int) -> bool:
+    """Whether ``x`` or a successor of it has ``moved`` ``[X]`` at or after ``since``."""
+    if moved[x] >= since:
+        return True
+    actions = p.reward.shape[1]
+    for e in range(p.edge_start[x * actions], p.edge_start[(x + 1) * actions]):
+        if moved[p.edge_next[e]] >= since:
+            return True
+    return False
 
 
 @kernel
@@ -121,35 +155,69 @@ def fast_informed_bound(p: Problem, q: FloatArray, tolerance: float, sweeps: int
     chance = np.empty(hidden)
     after = np.zeros((p.observations, actions))
     touched = np.zeros(p.observations, dtype=np.int64)
+    single = single_valued(p)
+    new = np.empty(hidden)
     value = np.empty((states, hidden))
     for x in range(states):
         for y in range(hidden):
             value[x, y] = q[x, :, y].max()
-    for sweep in range(sweeps):
+    moved = np.zeros(states, dtype=np.int64)
+    for sweep in range(1, sweeps + 1):
         change = 0.0
         for i in range(states):
             x = i if sweep % 2 == 0 else states - 1 - i
+            if sweep > 1 and not leads_to_moved(p, x, moved, sweep - 1):
+                continue
+            step = 0.0
             for a in range(actions):
-                for y in range(hidden):
-                    new = p.reward[x, a, y]
+                if tells_nothing(p, x, a, single):
+                    back_up(p, x, a, value, new)
+                else:
                     row = x * actions + a
+                    new[:] = p.reward[x, a]
                     for e in range(p.edge_start[row], p.edge_start[row + 1]):
-                        x_next = p.edge_next[e]
-                        size = row_of(p, p.edge_map[e], y, index, chance)
-                        if size == 1:  # observations tell nothing more
-                            step = chance[0] * value[x_next, index[0]]
-                        else:
-                            step = informed_step(
-                                p, q, a, x_next, index[:size], chance[:size], after, touched
+                        for y in range(hidden):
+                            size = row_of(p, p.edge_map[e], y, index, chance)
+                            new[y] += p.discount * informed_step(
+                                p, q, a, p.edge_next[e], index[:size], chance[:size], after, touched
                             )
-                        new += p.discount * step
-                    if new < q[x, a, y]:
-                        change = max(change, q[x, a, y] - new)
-                        q[x, a, y] = new
+                for y in range(hidden):
+                    if new[y] < q[x, a, y]:
+                        step = max(step, q[x, a, y] - new[y])
+                        q[x, a, y] = new[y]
             for y in range(hidden):
                 value[x, y] = q[x, :, y].max()
+            if step > tolerance:
+                moved[x] = sweep
+            change = max(change, step)
         if change <= tolerance:
             break
+
+
+@kernel
+def tells_nothing(p: Problem, x: int, a: int, single: BoolArray) -> bool:
+    """Whether the hidden state after ``a`` in ``x`` follows from that before and ``x'``."""
+    row = x * p.reward.shape[1] + a
+    for e in range(p.edge_start[row], p.edge_start[row + 1]):
+        if not single[p.edge_map[e]]:
+            return False
+    return True
+
+
+@kernel
+def single_valued(p: Problem) -> BoolArray:
+    """``[K]`` whether each map leads from every hidden state to one alone."""
+    hidden = p.reward.shape[2]
+    maps = p.target.shape[0] if p.jumps else (p.row_start.shape[0] - 1) // hidden
+    index = np.empty(hidden, dtype=np.int64)
+    chance = np.empty(hidden)
+    single = np.ones(maps, dtype=np.bool_)
+    for k in range(maps):
+        for y in range(hidden):
+            if row_of(p, k, y, index, chance) > 1:
+                single[k] = False
+                break
+    return single
 
 
 @kernel
