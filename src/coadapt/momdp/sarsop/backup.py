@@ -51,7 +51,7 @@ def backup_upper(p: Problem, tree: Tree, n: int, scratch: FloatArray) -> int:
             upper = refresh_upper(tree, child["node"], scratch)
             total += p.discount * child["probability"] * upper
         branch["upper"] = min(branch["upper"], total)
-    leading = tree.branches[r + best]["upper"]
+    leading = float(tree.branches[r + best]["upper"])
     if leading < node["upper"] - GAIN * (1.0 + abs(leading)):
         lower_upper(tree, n, leading)
         add_point(tree, n)

@@ -36,3 +36,11 @@ def kernel(function: Function) -> Function:
     if cache is not None:
         cache._source_stamp = KERNELS
     return cast("Function", compiled)
+
+
+def is_compiled(function: Callable[..., Any]) -> bool:
+    """Whether compiled code for ``function`` lies on disk, or none is needed."""
+    cache = getattr(getattr(function, "_cache", None), "_cache_file", None)
+    if cache is None:
+        return not hasattr(function, "overloads")
+    return bool(cache._load_index())

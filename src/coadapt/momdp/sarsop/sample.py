@@ -93,9 +93,18 @@ def predicted_value(tree: Tree, bins: Bins, n: int) -> float:
 
 @kernel
 def run_trials(
-    p: Problem, tree: Tree, bins: Bins, roots: IntArray, gap: float, backups: int, room: IntArray
+    p: Problem,
+    tree: Tree,
+    bins: Bins,
+    roots: IntArray,
+    gap: float,
+    relative_gap: float,
+    backups: int,
+    room: IntArray,
 ) -> int:
-    """Run trials until every root's gap is at most ``gap`` or ``backups`` more are done.
+    """Run trials until the gap is closed at every root or ``backups`` more are done.
+
+    It is closed where it is at most ``gap`` or at most ``relative_gap`` times both bounds.
 
     Returns:
         `CLOSED`, `WORKED`, `STALLED` where the bounds no longer move, or `NO_ROOM` where a trial
@@ -107,21 +116,23 @@ def run_trials(
     idle = 0
     while True:
         before = tree.used[VECTORS] + tree.used[POINTS] + tree.used[CHILDREN]
-        widest = -1.0
-        root = roots[0]
+        widest = allowed = 0.0
+        root = NONE
         for n in roots:
-            spread = refresh_upper(tree, n, scratch) - refresh_lower(tree, n)
-            if spread > widest:
-                widest = spread
+            upper, lower = refresh_upper(tree, n, scratch), refresh_lower(tree, n)
+            close = max(gap, relative_gap * max(lower, -upper))
+            if upper - lower > close and upper - lower > widest:
+                widest = upper - lower
+                allowed = close
                 root = n
-        if widest <= gap:
+        if root == NONE:
             return CLOSED
         if tree.used[BACKUPS] >= stop:
             return WORKED
         if tree.used[LISTED] > TOO_MANY * tree.used[KEPT] + FEW:
             retire_vectors(tree)
         tree.used[TRIALS] += 1
-        depth = descend(p, tree, bins, root, max(gap, HALF * widest), room, path, scratch)
+        depth = descend(p, tree, bins, root, max(allowed, HALF * widest), room, path, scratch)
         if depth < 0:
             return NO_ROOM
         for i in range(depth, -1, -1):

@@ -173,10 +173,28 @@ def grow(tree: Tree, room: IntArray) -> Tree:
             array = getattr(tree, name)
             wanted = int(tree.used[kind] + room[kind])
             if len(array) < wanted:
-                new = np.zeros((max(wanted, 2 * len(array)), *array.shape[1:]), dtype=array.dtype)
+                shape = (larger_size(array, wanted), *array.shape[1:])
+                new = np.zeros(shape, dtype=array.dtype)
                 new[: len(array)] = array
                 larger[name] = new
     return tree._replace(**larger)
+
+
+def size_after(tree: Tree, room: IntArray) -> int:
+    """Bytes of the arrays of ``tree`` after `grow`."""
+    total = sum(array.nbytes for array in tree)
+    for kind, names in GROWABLE.items():
+        for name in names:
+            array = getattr(tree, name)
+            if len(array) < tree.used[kind] + room[kind]:
+                places = larger_size(array, int(tree.used[kind] + room[kind]))
+                total += (places - len(array)) * (array.nbytes // len(array))
+    return total
+
+
+def larger_size(array: FloatArray | IntArray | Records, wanted: int) -> int:
+    """Places in the array that follows ``array`` to have ``wanted``."""
+    return max(wanted, 2 * len(array))
 
 
 @kernel

@@ -1,0 +1,207 @@
+"""The arrays of one search and their upkeep between kernel calls."""
+
+from __future__ import annotations
+
+from functools import cache
+
+import numpy as np
+
+from coadapt.arrays import FloatArray, IntArray
+from coadapt.momdp.model import MOMDP, Root
+from coadapt.momdp.policy import AlphaVectorPolicy
+from coadapt.momdp.sarsop.bounds import add_vector, refresh_lower, refresh_upper
+from coadapt.momdp.sarsop.expand import add_node
+from coadapt.momdp.sarsop.initial import (
+    SETTLED,
+    fast_informed_bound,
+    mdp_values,
+    observed_policies,
+    policy_values,
+)
+from coadapt.momdp.sarsop.jit import is_compiled
+from coadapt.momdp.sarsop.problem import Problem, as_arrays
+from coadapt.momdp.sarsop.prune import prune_points, prune_vectors
+from coadapt.momdp.sarsop.sample import CLOSED, NO_ROOM, STALLED, Bins, new_bins, run_trials
+from coadapt.momdp.sarsop.solution import Record, Solution, Status
+from coadapt.momdp.sarsop.tree import (
+    BACKUPS,
+    BRANCHES,
+    CHILDREN,
+    COUNTS,
+    ENTRIES,
+    GROUPS,
+    KEPT,
+    LISTED,
+    NODES,
+    NONE,
+    POINTS,
+    VECTORS,
+    Tree,
+    grow,
+    new_tree,
+    size_after,
+)
+
+SWEEPS = 10_000
+"""Most sweeps of each initial bound."""
+
+POLICIES = 8
+"""Most hidden states whose best policy starts the lower bound."""
+
+ENDS = {CLOSED: Status.GAP, STALLED: Status.PRECISION}
+
+
+COMPILING = "compiling the solver once for this machine, which takes about half a minute"
+
+
+def kernels_are_compiled() -> bool:
+    """Whether `compile_kernels` finds all on disk."""
+    return is_compiled(run_trials)
+
+
+@cache
+def compile_kernels() -> None:
+    """Load the compiled kernels, or compile them and keep them on disk."""
+    # One backup of a problem with one state touches every kernel that a search calls.
+    problem = MOMDP.from_arrays(
+        transition_x=np.ones((1, 1, 1)),
+        transition_y=np.ones((1, 1, 1, 1)),
+        observation=np.ones((1, 1, 1, 1)),
+        reward=np.ones((1, 1, 1)),
+        discount=0.5,
+        roots=[Root(0, np.ones(1))],
+    )
+    search = Search(problem)
+    search.run(1e-3, 0.0, None, 1)
+    search.tidy()
+
+
+class Search:
+    """One search of one problem."""
+
+    def __init__(self, problem: MOMDP) -> None:
+        self._problem = problem
+        self._weight = np.array([root.probability for root in problem.roots])
+        self._arrays = as_arrays(problem)
+        _, hidden, actions, observations = problem.shape
+        fan = int(np.diff(problem.edge_start).max(initial=1)) * observations
+        self._room = np.zeros(COUNTS, dtype=np.int64)
+        # The most that opening one node and backing it up may add.
+        self._room[NODES] = self._room[CHILDREN] = actions * fan
+        self._room[ENTRIES] = actions * fan * hidden
+        self._room[BRANCHES] = actions
+        self._room[VECTORS] = self._room[GROUPS] = self._room[POINTS] = 1
+        self._tree, self._bins = self._begin(self._arrays)
+        self._roots = self._plant()
+
+    @property
+    def backups(self) -> int:
+        return int(self._tree.used[BACKUPS])
+
+    def run(
+        self, gap: float, relative_gap: float, memory_limit: int | None, backups: int
+    ) -> Status | None:
+        """Do about ``backups`` backups; why there is no point in going on, or None."""
+        stop = self.backups + backups
+        while True:
+            ahead = max(stop - self.backups, 0)
+            state = run_trials(
+                self._arrays,
+                self._tree,
+                self._bins,
+                self._roots,
+                gap,
+                relative_gap,
+                ahead,
+                self._room,
+            )
+            if state != NO_ROOM:
+                return ENDS.get(state)
+            self.tidy()
+            # Ask for ample room, or pruning would be due again at once.
+            room = np.maximum(self._room, self._tree.used // 4)
+            if memory_limit is not None and size_after(self._tree, room) > memory_limit:
+                return Status.MEMORY
+            self._tree = grow(self._tree, room)
+
+    def tidy(self) -> None:
+        """Forget vectors and points that others replaced."""
+        prune_vectors(self._tree)
+        prune_points(self._tree)
+
+    def record(self, seconds: float) -> Record:
+        lower, upper = self._root_bounds()
+        return Record(
+            seconds=seconds,
+            backups=self.backups,
+            lower=float((self._weight * lower).sum()),
+            upper=float((self._weight * upper).sum()),
+            gap=float(np.max(upper - lower)),
+            vectors=int(
+                (self._tree.vectors["replaced_by"][: self._tree.used[VECTORS]] == NONE).sum()
+            ),
+        )
+
+    def solution(self, status: Status, trace: tuple[Record, ...], seconds: float) -> Solution:
+        policy = self._policy()
+        # The bounds handed out are those of the policy handed out, not of the search.
+        lower = np.array([policy.value(r.x, r.belief) for r in self._problem.roots])
+        _, upper = self._root_bounds()
+        return Solution(
+            policy=policy,
+            root_lower=lower,
+            root_upper=upper,
+            lower=float((self._weight * lower).sum()),
+            upper=float((self._weight * upper).sum()),
+            status=status,
+            trace=trace,
+            backups=self.backups,
+            vectors=len(policy.vectors),
+            seconds=seconds,
+        )
+
+    def _begin(self, p: Problem) -> tuple[Tree, Bins]:
+        tolerance = SETTLED * float(np.abs(p.reward).max(initial=1e-6))
+        q = mdp_values(p, tolerance, SWEEPS)
+        policies = observed_policies(q, POLICIES)
+        fast_informed_bound(p, q, tolerance, SWEEPS)
+        tree = new_tree(p, q)
+        states = p.reward.shape[0]
+        room = np.zeros_like(self._room)
+        room[VECTORS] = room[GROUPS] = states * len(policies)
+        tree = grow(tree, room)
+        for policy in policies:
+            values = policy_values(p, policy, tolerance, SWEEPS)
+            for x in range(states):
+                add_vector(tree, x, values[x], int(policy[x]))
+        prune_vectors(tree)
+        tree.used[KEPT] = tree.used[LISTED]
+        return tree, new_bins(float(tree.corner.min()), float(tree.corner.max()))
+
+    def _plant(self) -> IntArray:
+        """The nodes of the roots."""
+        self._tree = grow(self._tree, len(self._problem.roots) * self._room)
+        nodes: list[int] = []
+        for root in self._problem.roots:
+            support = np.flatnonzero(root.belief)
+            mass = root.belief[support]
+            nodes.append(add_node(self._tree, root.x, support, mass))
+        return np.array(nodes, dtype=np.int64)
+
+    def _root_bounds(self) -> tuple[FloatArray, FloatArray]:
+        scratch = np.zeros(self._arrays.reward.shape[2])
+        lower = [refresh_lower(self._tree, n) for n in self._roots]
+        upper = [refresh_upper(self._tree, n, scratch) for n in self._roots]
+        return np.array(lower), np.array(upper)
+
+    def _policy(self) -> AlphaVectorPolicy:
+        tree = self._tree
+        alive = np.flatnonzero(tree.vectors["replaced_by"][: tree.used[VECTORS]] == NONE)
+        observed = tree.vectors["x"][alive]
+        order = alive[np.argsort(observed, kind="stable")]
+        counts = np.bincount(observed, minlength=len(tree.newest_vector))
+        return AlphaVectorPolicy(
+            start=np.concatenate(([0], np.cumsum(counts))),
+            vectors=tree.alpha[order].copy(),
+            actions=tree.vectors["action"][order],
+        )
