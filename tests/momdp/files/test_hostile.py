@@ -143,7 +143,7 @@ FILES: dict[str, tuple[str | bytes, str | None]] = {
     ),
     "many_nodes.pomdpx": (
         document(gain="<Func><Var>gain</Var><Parameter type='DD'><DAG><Node var='act'>"
-                 + "<Edge val='a'/>" * 600_000),
+                 + "<Edge val='a'/>" * 300_000),
         "elements of decision diagrams",
     ),
     "long_number.pomdp": (

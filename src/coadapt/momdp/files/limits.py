@@ -37,7 +37,7 @@ MAX_DEPTH = 200
 MAX_POLICY = 40_000_000
 """Numbers in all alpha vectors of a policy (8 bytes each)."""
 
-MAX_NODES = 500_000
+MAX_NODES = 250_000
 """Elements of all decision diagrams of a file."""
 
 MAX_CHARACTERS = 50_000_000
