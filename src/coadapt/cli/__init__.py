@@ -18,6 +18,7 @@ COMMANDS = {
     "play": "Steer the robot with the arrow keys, in this terminal.",
     "replay": "Run a recorded log of human inputs through a robot.",
     "reproduce": "Write the report of the published results.",
+    "solve": "Plan for a problem: a policy with certified bounds.",
 }
 """Every command with its one-line summary; ``coadapt.cli.NAME`` holds it as ``command``."""
 

@@ -29,7 +29,7 @@ def read_policy(path: str | os.PathLike[str]) -> AlphaVectorPolicy:
         coadapt.errors.InputError: if the file cannot be read, is not in its format, or is too
             large.
     """
-    place, suffix = _suffix(path)
+    place, suffix = Path(path), policy_suffix(path)
     check_openable(place)
     try:
         with place.open("rb") as file:
@@ -48,12 +48,17 @@ def write_policy(policy: AlphaVectorPolicy, path: str | os.PathLike[str]) -> Non
     Raises:
         coadapt.errors.InputError: if the suffix is another, or the file cannot be written.
     """
-    place, suffix = _suffix(path)
+    place, suffix = Path(path), policy_suffix(path)
     with replacing(place) as file:
         (write_compact if suffix == COMPACT else write_policyx)(policy, file)
 
 
-def _suffix(path: str | os.PathLike[str]) -> tuple[Path, str]:
+def policy_suffix(path: str | os.PathLike[str]) -> str:
+    """The suffix of a policy file in lower case: one of `XML` or `COMPACT`.
+
+    Raises:
+        coadapt.errors.InputError: if the name has another one.
+    """
     place = Path(path)
     suffix = place.suffix.lower()
     if suffix not in (*XML, COMPACT):
@@ -62,4 +67,4 @@ def _suffix(path: str | os.PathLike[str]) -> tuple[Path, str]:
             None,
             f"found a name that ends in {suffix!r}, expected .policy, .policyx or .coadapt",
         )
-    return place, suffix
+    return suffix
