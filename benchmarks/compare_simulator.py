@@ -149,15 +149,12 @@ def main() -> None:
     parser.add_argument("--rest", type=float, default=1e-5)
     parser.add_argument("--runs", type=int, default=10_000)
     parser.add_argument("--reference-runs", type=int, default=10_000)
-    parser.add_argument("--lookahead-runs", type=int, default=1000)
+    parser.add_argument("--lookahead-runs", type=int, default=100)
     parser.add_argument("--seed", type=int, default=0)
     options = parser.parse_args()
     heads = ["problem", "vectors", "lower", "upper", "steps", "ours", "theirs"]
     heads += ["theirs, looking ahead"] * bool(options.lookahead_runs) + ["difference / sd"]
     print(f"| {' | '.join(heads)} |\n|{' --- |' * len(heads)}")
-    SARSOP(max_backups=1).solve(
-        ca.SharedAutonomy(ca.worlds.table_clearing()).to_momdp()
-    )  # compiles
     with tempfile.TemporaryDirectory() as directory:
         for path in options.problems:
             print(compare(path, options, Path(directory)), flush=True)
