@@ -121,6 +121,8 @@ def run(case: Case, time_limit: float) -> Row:
         "build_seconds": built - start,
         "bounds_seconds": solution.trace[0].seconds,
         "solve_seconds": solution.seconds,
+        "first_lower": solution.trace[0].lower,
+        "first_upper": solution.trace[0].upper,
         "status": solution.status.value,
         "lower": solution.lower,
         "upper": solution.upper,
