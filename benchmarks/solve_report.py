@@ -35,12 +35,17 @@ class Result:
 
     @property
     def confirmed(self) -> str:
-        """Whether the simulated mean lies at or above our lower bound, up to chance."""
+        """Whether the simulated mean lies at or above our lower bound, up to chance.
+
+        ``"open"`` if that depends on what the episodes that were cut off would still have had.
+        """
         found, ours = self.confirmation, self.ours
         if found is None or ours is None:
             return ""
-        reach = 3 * found["standard_error"] + found["truncation"]
-        return "yes" if found["mean"] + reach >= ours.trace[-1].lower else "NO"
+        lower, high = ours.trace[-1].lower, found["mean"] + 3 * found["standard_error"]
+        if high >= lower:
+            return "yes"
+        return "open" if high + found["truncation"] >= lower else "NO"
 
 
 REACHED = {

@@ -17,7 +17,7 @@ from hypothesis import strategies as st
 
 import coadapt as ca
 from coadapt.momdp import MOMDP, AlphaVectorPolicy, belief
-from coadapt.momdp.evaluate import BLOCK, default_horizon, simulate_policy
+from coadapt.momdp.evaluate import BLOCK, LONGEST, default_horizon, simulate_policy
 from coadapt.momdp.exact import evaluate_policy, exact_value
 from coadapt.momdp.sarsop.episodes import OVER, Episodes, as_columns, mark_ended, run_steps
 from coadapt.momdp.sarsop.problem import as_arrays
@@ -148,6 +148,10 @@ def test_the_default_horizon(discount: float, steps: int) -> None:
     # 0.95 ** 180 = 0.98e-4 and 0.95 ** 179 = 1.03e-4.
     assert default_horizon(discount) == steps
     assert discount ** default_horizon(discount) <= 1e-4 * (1 + ROUNDING)
+
+
+def test_the_default_horizon_has_an_end() -> None:
+    assert default_horizon(0.99999) == LONGEST
 
 
 def test_a_seed_fixes_the_result_and_progress_is_told() -> None:

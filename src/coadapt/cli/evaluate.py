@@ -63,7 +63,7 @@ class ExactValue:
     "--horizon",
     type=click.IntRange(min=1),
     metavar="N",
-    help="Steps after which an episode is cut off.  [until the discount is below 0.0001]",
+    help="Steps after which an episode is cut off.  [where the discount is 0.0001, at most 10000]",
 )
 @click.option(
     "--seed", type=click.IntRange(min=0), default=0, metavar="S", help="Seed of the episodes.  [0]"

@@ -33,6 +33,9 @@ from coadapt.momdp.sarsop.problem import as_arrays
 BEYOND = 1e-4
 """Discount at which an episode is cut off by default: part of a reward that still counts."""
 
+LONGEST = 10_000
+"""Steps after which an episode is cut off by default even if rewards count for longer."""
+
 BLOCK = 250
 """Episodes that share a generator."""
 
@@ -73,10 +76,10 @@ class SimulatedValue:
 
 
 def default_horizon(discount: float) -> int:
-    """The number of steps after which a reward counts at most `BEYOND` of its size."""
+    """Steps after which a reward counts at most `BEYOND` of its size, `LONGEST` at most."""
     if discount <= BEYOND:
         return 1
-    return math.ceil(math.log(BEYOND) / math.log(discount))
+    return min(LONGEST, math.ceil(math.log(BEYOND) / math.log(discount)))
 
 
 def simulate_policy(
