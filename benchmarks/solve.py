@@ -11,6 +11,7 @@ from __future__ import annotations
 
 import argparse
 import os
+import re
 import subprocess
 import sys
 import tempfile
@@ -40,7 +41,8 @@ MODELS = {
 }
 """Models of our own, which are written to a file that both solvers read."""
 
-EXPORT = "import sys, coadapt as ca; ca.write_pomdpx({model}.to_momdp(), sys.argv[1])"
+COSTS = re.compile(rb"^\s*values\s*:\s*cost", re.MULTILINE)
+"""In files that the reference misreads: it takes costs for rewards."""
 
 
 def main() -> int:
@@ -136,24 +138,32 @@ def run_problem(name: str, options: argparse.Namespace, scratch: Path) -> Result
 
 
 def problem_file(name: str, directory: Path, scratch: Path) -> Path:
-    """The file of the problem ``name``; that of a model of ours is written now.
+    """The file of the problem ``name``; where need be it is written now.
 
     Raises:
         Failed: if there is none.
     """
     if name in MODELS:
-        path = scratch / f"{name}.pomdpx"
-        code = EXPORT.format(model=MODELS[name])
-        done = subprocess.run(
-            [sys.executable, "-c", code, str(path)], capture_output=True, text=True, check=False
-        )
-        if done.returncode != 0:
-            raise Failed(done.stderr.strip().splitlines()[-1])
-        return path
+        return export(f"{MODELS[name]}.to_momdp()", scratch / f"{name}.pomdpx")
     for path in (directory / name, Path(name)):
         if path.is_file():
+            if path.suffix == ".pomdp" and COSTS.search(path.read_bytes()):
+                return export(f"ca.read_pomdp({str(path)!r})", scratch / f"{path.stem}.pomdpx")
             return path
     raise Failed(f"{directory / name}")
+
+
+def export(problem: str, path: Path) -> Path:
+    """Write the value of the expression ``problem`` to ``path``, in a process that needs memory.
+
+    Raises:
+        Failed: if that cannot be done.
+    """
+    code = f"import coadapt as ca; ca.write_pomdpx({problem}, {str(path)!r})"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    if done.returncode != 0:
+        raise Failed((done.stderr.strip() or "no reason given").splitlines()[-1])
+    return path
 
 
 def cold_start(scratch: Path) -> list[dict[str, Any]]:
