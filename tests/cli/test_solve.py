@@ -89,6 +89,16 @@ def test_limits(capsys: pytest.CaptureFixture[str], limit: list[str], status: st
     assert found["gap"] > 1e-3
 
 
+def test_a_start_policy_is_used(capsys: pytest.CaptureFixture[str]) -> None:
+    assert main(["solve", "tiger.pomdpx"]) == 0
+    arguments = ["--start-policy", "tiger.policyx", "--max-backups", "0", "--json"]
+    capsys.readouterr()
+    assert main(["solve", "tiger.pomdpx", *arguments]) == 0  # and replaced
+    found = json.loads(capsys.readouterr().out)
+    assert found["backups"] == 0
+    assert found["lower"] >= OPTIMUM.upper[0] - 2e-3
+
+
 def test_every_status_has_words() -> None:
     assert {status.value for status in Status} == set(ENDS)
 
@@ -126,6 +136,8 @@ def test_the_paper_task(capsys: pytest.CaptureFixture[str]) -> None:
         (["tiger.pomdpx", "--out", "dir.policyx"], "dir.policyx: found something else than a file"),
         (["tiger.pomdpx", "--trace", "tiger.pomdpx"], "tiger.pomdpx: found a file that is in use"),
         (["tiger.pomdpx", "--trace", "tiger.policyx"], "found a file that is in use, expected"),
+        (["tiger.pomdpx", "--start-policy", "no.policyx"], "no.policyx: cannot be read"),
+        (["table_clearing", "--start-policy", "tiger.policy"], "tiger.policy: cannot be the star"),
         (["tiger.pomdpx", "--trace", "no/t.csv"], "no/t.csv: cannot be written: No such"),
     ],
 )
@@ -134,6 +146,8 @@ def test_an_error_is_one_line_and_writes_nothing(
 ) -> None:
     Path("bad.pomdp").write_text("states: x\n")
     Path("dir.policyx").mkdir()
+    main(["solve", "tiger.pomdpx", "--out", "tiger.policy", "--max-backups", "0"])
+    capsys.readouterr()
     before = {path: path.stat().st_mtime_ns for path in Path().iterdir()}
     assert main(["solve", *arguments]) == 2
     out, err = capsys.readouterr()

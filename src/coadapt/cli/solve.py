@@ -16,7 +16,7 @@ from coadapt.cli.outputs import require_writable
 from coadapt.cli.problems import load_problem
 from coadapt.cli.process import peak_memory_mb, seconds_since_launch
 from coadapt.cli.progress import progress_line
-from coadapt.errors import InputError, printable
+from coadapt.errors import FileError, InputError, printable
 
 if TYPE_CHECKING:
     from coadapt.momdp import MOMDP
@@ -64,6 +64,12 @@ ENDS = {
     help="Stop before the arrays of the search exceed MB megabytes.",
 )
 @click.option(
+    "--start-policy",
+    type=click.Path(path_type=Path),
+    metavar="FILE",
+    help="Start from the policy in FILE.",
+)
+@click.option(
     "--out",
     type=click.Path(path_type=Path),
     metavar="POLICY",
@@ -85,6 +91,7 @@ def command(
     relative_gap: float,
     max_backups: int | None,
     memory_limit: int | None,
+    start_policy: Path | None,
     out: Path | None,
     trace: Path | None,
     as_json: bool,
@@ -98,7 +105,7 @@ def command(
     Ctrl-C ends the search; the policy found so far is written, and the exit code is 130. If
     PROBLEM, an option or a file cannot be used the exit code is 2 and nothing is written.
     """
-    from coadapt.momdp.files import write_policy
+    from coadapt.momdp.files import read_policy, write_policy
     from coadapt.momdp.files.policies import policy_suffix
     from coadapt.momdp.sarsop import SARSOP, compile_kernels, kernels_are_compiled
     from coadapt.momdp.sarsop.search import COMPILING
@@ -119,12 +126,14 @@ def command(
     _ = policy_suffix(target)
     require_writable(target, Path(problem))
     if trace is not None:
-        require_writable(trace, Path(problem), target)
+        used = [] if start_policy is None else [start_policy]
+        require_writable(trace, Path(problem), target, *used)
     with progress_line(not quiet) as tell:
         tell(f"reading {printable(problem)}")
         begin = perf_counter()
         momdp = load_problem(problem)
         load_seconds = perf_counter() - begin
+        start = None if start_policy is None else read_policy(start_policy)
         begin = perf_counter()
         if not (quiet or kernels_are_compiled()):
             tell(COMPILING)
@@ -133,7 +142,12 @@ def command(
         compile_kernels()
         compile_seconds = perf_counter() - begin
     launch_seconds = seconds_since_launch()
-    solution = solver.solve(momdp)
+    try:
+        solution = solver.solve(momdp, start)
+    except ValueError as error:
+        if start_policy is None:
+            raise
+        raise FileError(start_policy, None, f"cannot be the start: {error}") from error
     write_policy(solution.policy, target)
     if trace is not None:
         _write_trace(solution.trace, trace)

@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from coadapt.momdp import MOMDP
-from coadapt.momdp.sarsop.problem import as_arrays, pull, push, row_of
+from coadapt.momdp.sarsop.problem import as_arrays, pull, push, row_of, staying
 from tests.momdp.problems import dense_map
 from tests.momdp.strategies import jump_momdps, momdps
 
@@ -30,6 +30,8 @@ def test_kernels_apply_the_maps(problem: MOMDP, seed: int) -> None:
         out = before.copy()
         pull(arrays, k, 0.7, values, out)
         np.testing.assert_allclose(out, before + 0.7 * dense @ values, atol=1e-14)
+        staying(arrays, k, out)
+        np.testing.assert_allclose(out, np.diag(dense), atol=1e-14)
         for y in range(hidden):
             places, chances = np.zeros(hidden, dtype=np.int64), np.zeros(hidden)
             size = row_of(arrays, k, y, places, chances)

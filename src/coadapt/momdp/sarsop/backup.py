@@ -20,6 +20,9 @@ from coadapt.momdp.sarsop.tree import BACKUPS, NONE, Tree
 GAIN = 1e-12
 """A bound moved when it moved by more than this part of its size."""
 
+LARGE_PART = 0.1
+"""Of a node's gap: by how much its upper bound must fall for other nodes to look at it again."""
+
 
 @kernel
 def backup_upper(p: Problem, tree: Tree, n: int, scratch: FloatArray) -> int:
@@ -34,10 +37,7 @@ def backup_upper(p: Problem, tree: Tree, n: int, scratch: FloatArray) -> int:
     current = np.zeros(actions, dtype=np.bool_)
     best = 0
     while True:
-        best = 0
-        for a in range(1, actions):
-            if tree.branches[r + a]["upper"] > tree.branches[r + best]["upper"]:
-                best = a
+        best = leading_action(p, tree, n)
         if current[best]:
             break
         current[best] = True
@@ -53,8 +53,23 @@ def backup_upper(p: Problem, tree: Tree, n: int, scratch: FloatArray) -> int:
         branch["upper"] = min(branch["upper"], total)
     leading = float(tree.branches[r + best]["upper"])
     if leading < node["upper"] - GAIN * (1.0 + abs(leading)):
+        fresh = node["point"] == NONE
+        large = LARGE_PART * (node["upper"] - node["lower"])
+        known = float(node["upper"])
         lower_upper(tree, n, leading)
-        add_point(tree, n)
+        if fresh or known - leading > large:
+            add_point(tree, n)
+    return best
+
+
+@kernel
+def leading_action(p: Problem, tree: Tree, n: int) -> int:
+    """The action of opened node ``n`` with the largest upper bound."""
+    r = tree.nodes[n]["first_branch"]
+    best = 0
+    for a in range(1, p.reward.shape[1]):
+        if tree.branches[r + a]["upper"] > tree.branches[r + best]["upper"]:
+            best = a
     return best
 
 

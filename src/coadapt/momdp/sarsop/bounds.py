@@ -4,9 +4,18 @@ from __future__ import annotations
 
 import numpy as np
 
-from coadapt.arrays import FloatArray
+from coadapt.arrays import FloatArray, IntArray
 from coadapt.momdp.sarsop.jit import kernel
-from coadapt.momdp.sarsop.tree import GROUPS, LANES, LISTED, NONE, POINTS, VECTORS, Tree
+from coadapt.momdp.sarsop.tree import (
+    GROUPS,
+    LANES,
+    LISTED,
+    LISTED_POINTS,
+    NONE,
+    POINTS,
+    VECTORS,
+    Tree,
+)
 
 
 @kernel
@@ -57,24 +66,31 @@ def refresh_upper(tree: Tree, n: int, scratch: FloatArray) -> float:
     outside = ~node["support"]
     while i_point > seen:
         point = tree.points[i_point]
-        drop = point["drop"]
-        if drop > below and point["support"] & outside == 0:
-            start = point["first_entry"]
-            needed = below / drop  # smallest ratio that would improve the bound
-            ratio = 1.0
-            for j in range(start, start + point["entries"]):
-                mass = scratch[tree.entry_y[j]]
-                if mass <= needed * tree.entry_mass[j]:
-                    ratio = needed
-                    break
-                ratio = min(ratio, mass / tree.entry_mass[j])
-            if ratio > needed:
-                below = drop * ratio
+        if point["drop"] > below and point["support"] & outside == 0:
+            below = max(below, drop_by(tree, int(i_point), below, scratch))
         i_point = point["older"]
     for i in range(first, last):
         scratch[tree.entry_y[i]] = 0.0
     lower_upper(tree, n, node["corners"] - below)
     return node["upper"]
+
+
+@kernel
+def drop_by(tree: Tree, i: int, above: float, mass: FloatArray) -> float:
+    """How far below the corners point ``i`` brings the bound at the belief ``mass`` ``[Y]``.
+
+    0 unless it is more than ``above``.
+    """
+    point = tree.points[i]
+    first = point["first_entry"]
+    ratio = 1.0
+    needed = above / point["drop"]  # smallest ratio of interest
+    for j in range(first, first + point["entries"]):
+        here = mass[tree.entry_y[j]]
+        if here <= needed * tree.entry_mass[j]:
+            return 0.0
+        ratio = min(ratio, here / tree.entry_mass[j])
+    return ratio * point["drop"]
 
 
 @kernel
@@ -126,6 +142,14 @@ def add_vector(tree: Tree, x: int, alpha: FloatArray, action: int) -> int:
 
 
 @kernel
+def add_vectors(tree: Tree, values: FloatArray, actions: IntArray) -> None:
+    """Append the alpha vectors ``values`` ``[X, Y]``, one for each observed state, with their
+    ``actions`` ``[X]``."""
+    for x in range(values.shape[0]):
+        add_vector(tree, x, values[x], actions[x])
+
+
+@kernel
 def add_lane(tree: Tree, x: int, v: int) -> None:
     """Put alpha vector ``v`` into the newest group of observed state ``x``, or a new one."""
     g = tree.newest_group[x]
@@ -161,3 +185,4 @@ def add_point(tree: Tree, n: int) -> None:
     point["older"] = tree.newest_point[node["x"]]
     tree.newest_point[node["x"]] = i
     node["point"] = i
+    tree.used[LISTED_POINTS] += 1

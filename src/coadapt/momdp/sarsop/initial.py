@@ -15,10 +15,14 @@ import numpy as np
 
 from coadapt.arrays import BoolArray, FloatArray, IntArray
 from coadapt.momdp.sarsop.jit import kernel
-from coadapt.momdp.sarsop.problem import Problem, pull, row_of
+from coadapt.momdp.sarsop.problem import Problem, pull, row_of, staying
 
 SETTLED = 1e-4
 """Sweeps end when no value moves by more than this part of the largest reward."""
+
+
+KNOWN = 8
+"""Hidden states whose best policy starts the lower bound."""
 
 
 @kernel
@@ -49,7 +53,6 @@ def mdp_values(p: Problem, tolerance: float, sweeps: int) -> FloatArray:
     states, actions, hidden = p.reward.shape
     value = np.empty((states, hidden))
     value.fill(extreme_value(p, -1.0))
-    stays = staying(p)
     moved = np.zeros(states, dtype=np.int64)  # the sweep in which a value of x last moved
     new = np.empty(hidden)
     best = np.empty(hidden)
@@ -63,7 +66,7 @@ def mdp_values(p: Problem, tolerance: float, sweeps: int) -> FloatArray:
             best.fill(-np.inf)
             for a in range(actions):
                 back_up(p, x, a, value, new)
-                leave(p, stays, x, a, value, new)
+                leave(p, x, a, value, new)
                 for y in range(hidden):
                     best[y] = max(best[y], new[y])
             step = 0.0
@@ -116,40 +119,29 @@ def back_up(p: Problem, x: int, a: int, value: FloatArray, out: FloatArray) -> N
 
 
 @kernel
-def leave(
-    p: Problem, stays: FloatArray, x: int, a: int, value: FloatArray, out: FloatArray
-) -> None:
+def leave(p: Problem, x: int, a: int, value: FloatArray, out: FloatArray) -> None:
     """Turn ``out`` ``[Y]``, the backed-up value of ``a`` once, into that of ``a`` until ``(x, y)``
-    changes: all turns of the loop at once, which saves their sweeps. ``stays`` is `staying`."""
+    changes: all turns of the loop at once, which saves their sweeps."""
     row = x * p.reward.shape[1] + a
     for e in range(p.edge_start[row], p.edge_start[row + 1]):
         if p.edge_next[e] != x:
             continue
         # Edges of one row lead to different states, so this is the only loop.
+        stays = np.empty(out.shape[0])
+        staying(p, p.edge_map[e], stays)
         for y in range(out.shape[0]):
-            stay = p.discount * stays[p.edge_map[e], y]
+            stay = p.discount * stays[y]
             out[y] = (out[y] - stay * value[x, y]) / (1.0 - stay)
 
 
 @kernel
-def staying(p: Problem) -> FloatArray:
-    """``[K, Y]`` the probability with which each map keeps each hidden state."""
-    hidden = p.reward.shape[2]
-    maps = p.target.shape[0] if p.jumps else (p.row_start.shape[0] - 1) // hidden
-    index = np.empty(hidden, dtype=np.int64)
-    chance = np.empty(hidden)
-    kept = np.zeros((maps, hidden))
-    for k in range(maps):
-        for y in range(hidden):
-            for i in range(row_of(p, k, y, index, chance)):
-                if index[i] == y:
-                    kept[k, y] += chance[i]
-    return kept
+def fast_informed_bound(
+    p: Problem, q: FloatArray, tolerance: float, sweeps: int, work: int
+) -> None:
+    """Tighten ``q`` ``[X, A, Y]``, an upper bound such as `mdp_values`, in place.
 
-
-@kernel
-def fast_informed_bound(p: Problem, q: FloatArray, tolerance: float, sweeps: int) -> None:
-    """Tighten ``q`` ``[X, A, Y]``, an upper bound such as `mdp_values`, in place."""
+    Stops in any case after about ``work`` products.
+    """
     states, actions, hidden = p.reward.shape
     index = np.empty(hidden, dtype=np.int64)
     chance = np.empty(hidden)
@@ -161,6 +153,7 @@ def fast_informed_bound(p: Problem, q: FloatArray, tolerance: float, sweeps: int
     for x in range(states):
         for y in range(hidden):
             value[x, y] = q[x, :, y].max()
+    done = 0
     moved = np.zeros(states, dtype=np.int64)
     for sweep in range(1, sweeps + 1):
         change = 0.0
@@ -168,6 +161,8 @@ def fast_informed_bound(p: Problem, q: FloatArray, tolerance: float, sweeps: int
             x = i if sweep % 2 == 0 else states - 1 - i
             if sweep > 1 and not leads_to_moved(p, x, moved, sweep - 1):
                 continue
+            if done > work:
+                return
             step = 0.0
             for a in range(actions):
                 if tells_nothing(p, x, a, single):
@@ -178,6 +173,7 @@ def fast_informed_bound(p: Problem, q: FloatArray, tolerance: float, sweeps: int
                     for e in range(p.edge_start[row], p.edge_start[row + 1]):
                         for y in range(hidden):
                             size = row_of(p, p.edge_map[e], y, index, chance)
+                            done += size * actions
                             new[y] += p.discount * informed_step(
                                 p, q, a, p.edge_next[e], index[:size], chance[:size], after, touched
                             )
@@ -265,34 +261,54 @@ def informed_step(
 
 
 @kernel
-def policy_values(p: Problem, policy: IntArray, tolerance: float, sweeps: int) -> FloatArray:
-    """``[X, Y]`` lower bounds of the value of taking action ``policy[x]`` in each ``x``."""
+def policy_values(
+    p: Problem, policy: IntArray, order: IntArray, tolerance: float, sweeps: int
+) -> FloatArray:
+    """``[X, Y]`` lower bounds of the value of taking action ``policy[x]`` in each ``x``.
+
+    ``order`` ``[X]`` is that in which sweeps pass the states: best so that what follows a state
+    comes before it.
+    """
     states, _, hidden = p.reward.shape
     value = np.empty((states, hidden))
     value.fill(extreme_value(p, -1.0))
-    stays = staying(p)
     new = np.empty(hidden)
-    for sweep in range(sweeps):
+    moved = np.zeros(states, dtype=np.int64)
+    for sweep in range(1, sweeps + 1):
         change = 0.0
-        for i in range(states):
-            x = i if sweep % 2 == 0 else states - 1 - i
-            back_up(p, x, policy[x], value, new)
-            leave(p, stays, x, policy[x], value, new)
+        for x in order:
+            if sweep > 1 and not leads_to_moved(p, x, moved, sweep - 1):
+                continue
+            a = int(policy[x])
+            back_up(p, x, a, value, new)
+            leave(p, x, a, value, new)
+            step = 0.0
             for y in range(hidden):
-                change = max(change, new[y] - value[x, y])
+                step = max(step, new[y] - value[x, y])
                 value[x, y] = new[y]
+            if step > tolerance:
+                moved[x] = sweep
+            change = max(change, step)
         if change <= tolerance:
             break
     return value
 
 
-def observed_policies(q: FloatArray, limit: int) -> list[IntArray]:
-    """Policies ``[X]`` of the observed state alone: every constant one, and for up to ``limit``
-    hidden states, evenly spread, the best one if it were known and stayed."""
+def observed_policies(q: FloatArray, limit: int) -> list[tuple[IntArray, IntArray]]:
+    """At most ``limit`` policies ``[X]`` of the observed state alone, each with an order of states.
+
+    For some hidden states, evenly spread, the best policy if it were known and stayed; the order is
+    that of its values, the highest first: what it leads to is worth more than where it comes from,
+    discounting apart. Then every constant policy.
+    """
     states, actions, hidden = q.shape
-    policies = [np.full(states, a, dtype=np.int64) for a in range(actions)]
-    count = min(limit, hidden)
+    count = min(KNOWN, limit, hidden)
+    found: dict[bytes, tuple[IntArray, IntArray]] = {}
     for y in (i * (hidden - 1) // max(count - 1, 1) for i in range(count)):
-        policies.append(np.argmax(q[:, :, y], axis=1).astype(np.int64))
-    distinct = {policy.tobytes(): policy for policy in policies}
-    return list(distinct.values())
+        policy = np.argmax(q[:, :, y], axis=1).astype(np.int64)
+        order = np.argsort(-q[:, :, y].max(axis=1), kind="stable").astype(np.int64)
+        found.setdefault(policy.tobytes(), (policy, order))
+    for a in range(actions):
+        policy = np.full(states, a, dtype=np.int64)
+        found.setdefault(policy.tobytes(), (policy, np.arange(states, dtype=np.int64)))
+    return list(found.values())[:limit]

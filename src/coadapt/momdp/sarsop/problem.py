@@ -151,3 +151,25 @@ def row_of(p: Problem, k: int, y: int, index: IntArray, chance: FloatArray) -> i
                 chance[size] = share * total
                 size += 1
     return size
+
+
+@kernel
+def staying(p: Problem, k: int, out: FloatArray) -> None:
+    """Write the probability with which ``J_k`` keeps each hidden state to ``out`` ``[Y]``."""
+    hidden = out.shape[0]
+    if not p.jumps:
+        out[:] = 0.0
+        for y in range(hidden):
+            for j in range(p.row_start[k * hidden + y], p.row_start[k * hidden + y + 1]):
+                if p.column[j] == y:
+                    out[y] += p.value[j]
+        return
+    blocks, modes = p.rate.shape
+    for b in range(blocks):
+        stay = 1.0
+        for m in range(modes):
+            stay -= p.rate[b, m] * p.target[k, m]
+        share = p.mixing[b, b] if p.mixing.shape[0] > 0 else 1.0
+        for m in range(modes):
+            jump = p.rate[b, m] * p.target[k, m]
+            out[b * modes + m] = share * (max(stay, 0.0) + jump)

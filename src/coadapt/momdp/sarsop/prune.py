@@ -4,9 +4,21 @@ from __future__ import annotations
 
 import numpy as np
 
-from coadapt.momdp.sarsop.bounds import add_lane
+from coadapt.arrays import FloatArray, IntArray
+from coadapt.momdp.sarsop.bounds import add_lane, drop_by
 from coadapt.momdp.sarsop.jit import kernel
-from coadapt.momdp.sarsop.tree import GROUPS, KEPT, LISTED, NODES, NONE, POINTS, VECTORS, Tree
+from coadapt.momdp.sarsop.tree import (
+    GROUPS,
+    KEPT,
+    KEPT_POINTS,
+    LISTED,
+    LISTED_POINTS,
+    NODES,
+    NONE,
+    POINTS,
+    VECTORS,
+    Tree,
+)
 
 
 @kernel
@@ -99,21 +111,86 @@ def prune_vectors(tree: Tree) -> None:
 
 
 @kernel
+def retire_points(tree: Tree) -> None:
+    """Leave out of the look-up the points that the others make superfluous.
+
+    A node's own bound stays. What is lost elsewhere is at most a small part of the gap there.
+    """
+    points = tree.points
+    mass = np.zeros(tree.corner.shape[1])
+    stack = np.empty(tree.used[POINTS], dtype=np.int64)
+    kept = 0
+    for x in range(tree.newest_point.shape[0]):
+        size = 0
+        i = tree.newest_point[x]
+        while i != NONE:
+            if tree.nodes[points[i]["node"]]["point"] == i:
+                stack[size] = i
+                size += 1
+            i = points[i]["older"]
+        newest = NONE
+        for j in range(size - 1, -1, -1):
+            i = stack[j]
+            if is_superfluous(tree, stack[:size], j, mass):
+                tree.nodes[points[i]["node"]]["point"] = NONE
+                stack[j] = NONE
+            else:
+                points[i]["older"] = newest
+                newest = i
+                kept += 1
+        tree.newest_point[x] = newest
+    tree.used[LISTED_POINTS] = tree.used[KEPT_POINTS] = kept
+
+
+SMALL_PART = 0.002
+"""Of the gap at a point: how much it must tighten the bound there."""
+
+
+@kernel
+def is_superfluous(tree: Tree, others: IntArray, j: int, mass: FloatArray) -> bool:
+    """Whether another of the points ``others`` does what the ``j``-th does, or nearly.
+
+    ``mass`` ``[Y]`` is zero before and after.
+    """
+    point = tree.points[others[j]]
+    node = tree.nodes[point["node"]]
+    enough = float(point["drop"] - SMALL_PART * (node["upper"] - node["lower"]))
+    if enough <= 0.0:
+        return True
+    first = node["first_entry"]
+    last = first + node["entries"]
+    for i in range(first, last):
+        mass[tree.entry_y[i]] = tree.entry_mass[i]
+    found = False
+    for other in others:
+        if other != NONE and other != others[j]:
+            rival = tree.points[other]
+            if (
+                rival["drop"] > enough
+                and rival["support"] & ~node["support"] == 0
+                and drop_by(tree, other, enough, mass) > 0.0
+            ):
+                found = True
+                break
+    for i in range(first, last):
+        mass[tree.entry_y[i]] = 0.0
+    return found
+
+
+@kernel
 def prune_points(tree: Tree) -> None:
-    """Keep for each node its latest point alone, in order."""
+    """Drop the points that are in no list, keeping the order of the rest."""
+    retire_points(tree)
     count = tree.used[POINTS]
-    latest = np.empty(tree.used[NODES], dtype=np.int64)
-    for i in range(count):
-        latest[tree.points[i]["node"]] = i
-    place = np.empty(count, dtype=np.int64)
+    place = np.empty(count, dtype=np.int64)  # where the newest point kept so far goes
     used = 0
     for x in range(tree.newest_point.shape[0]):
         tree.newest_point[x] = NONE
     for i in range(count):
-        n = tree.points[i]["node"]
-        if latest[n] == i:
+        old = tree.points[i]
+        n = old["node"]
+        if tree.nodes[n]["point"] == i:
             x = tree.nodes[n]["x"]
-            old = tree.points[i]
             new = tree.points[used]
             new["node"] = n
             new["first_entry"] = old["first_entry"]

@@ -1,10 +1,11 @@
 """Sampling near the beliefs an optimal policy reaches (Kurniawati, Hsu, Lee 2008, Sec. III-B).
 
 A trial walks down from a root: the action with the largest upper bound, then the successor and
-observation that contribute most to the gap. It carries targets: the lower bound a belief would
-have to exceed, and the upper bound it would have to undercut, to matter at the root. It goes on
-below its target gap where the predicted value says that the lower bound at the root would rise.
-Then every node on the path is backed up, the last first.
+observation that contribute most to the gap. Every second trial takes the actions of the policy so
+far instead, which raises the lower bound where the upper ones mislead. A trial carries targets: the
+lower bound a belief would have to exceed, and the upper bound it would have to undercut, to matter
+at the root. It goes on below its target gap where the predicted value says that the lower bound at
+the root would rise. Then every node on the path is backed up, the last first.
 """
 
 from __future__ import annotations
@@ -16,15 +17,17 @@ import numpy as np
 from coadapt.arrays import FloatArray, IntArray
 from coadapt.momdp.sarsop.backup import backup_lower, backup_upper, q_lower
 from coadapt.momdp.sarsop.bounds import refresh_lower, refresh_upper
-from coadapt.momdp.sarsop.expand import open_node
+from coadapt.momdp.sarsop.expand import expand_branch, open_node
 from coadapt.momdp.sarsop.jit import kernel
 from coadapt.momdp.sarsop.problem import Problem
-from coadapt.momdp.sarsop.prune import retire_vectors
+from coadapt.momdp.sarsop.prune import retire_points, retire_vectors
 from coadapt.momdp.sarsop.tree import (
     BACKUPS,
     CHILDREN,
     KEPT,
+    KEPT_POINTS,
     LISTED,
+    LISTED_POINTS,
     NONE,
     POINTS,
     TRIALS,
@@ -131,8 +134,12 @@ def run_trials(
             return WORKED
         if tree.used[LISTED] > TOO_MANY * tree.used[KEPT] + FEW:
             retire_vectors(tree)
+        if tree.used[LISTED_POINTS] > TOO_MANY * tree.used[KEPT_POINTS] + FEW:
+            retire_points(tree)
         tree.used[TRIALS] += 1
-        depth = descend(p, tree, bins, root, max(allowed, HALF * widest), room, path, scratch)
+        exploit = tree.used[TRIALS] % 2 == 0
+        aim = max(allowed, HALF * widest)
+        depth = descend(p, tree, bins, root, aim, room, path, scratch, exploit)
         if depth < 0:
             return NO_ROOM
         for i in range(depth, -1, -1):
@@ -149,6 +156,16 @@ def run_trials(
 
 
 @kernel
+def policy_action(p: Problem, tree: Tree, n: int) -> int:
+    """The action that the policy so far takes at opened node ``n``; its branch has children."""
+    refresh_lower(tree, n)
+    a = int(tree.vectors[tree.nodes[n]["vector"]]["action"])
+    if tree.branches[tree.nodes[n]["first_branch"] + a]["first_child"] == NONE:
+        expand_branch(p, tree, n, a)
+    return a
+
+
+@kernel
 def descend(
     p: Problem,
     tree: Tree,
@@ -158,8 +175,12 @@ def descend(
     room: IntArray,
     path: IntArray,
     scratch: FloatArray,
+    exploit: bool,
 ) -> int:
-    """Write the nodes of a trial to ``path``; the index of the last, or -1 for want of room."""
+    """Write the nodes of a trial to ``path``; the index of the last, or -1 for want of room.
+
+    With ``exploit`` the trial takes the actions of the policy so far.
+    """
     n = root
     allowed = gap
     target_lower = refresh_lower(tree, n)
@@ -172,6 +193,8 @@ def descend(
         if tree.nodes[n]["first_branch"] == NONE:
             open_node(p, tree, n)
         best = backup_upper(p, tree, n, scratch)
+        if exploit:
+            best = policy_action(p, tree, n)
         lower = refresh_lower(tree, n)
         upper = tree.nodes[n]["upper"]
         if depth == DEPTH_LIMIT or upper - lower <= 0.0 or p.discount == 0.0:

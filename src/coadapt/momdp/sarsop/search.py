@@ -9,7 +9,7 @@ import numpy as np
 from coadapt.arrays import FloatArray, IntArray
 from coadapt.momdp.model import MOMDP, Root
 from coadapt.momdp.policy import AlphaVectorPolicy
-from coadapt.momdp.sarsop.bounds import add_vector, refresh_lower, refresh_upper
+from coadapt.momdp.sarsop.bounds import add_vector, add_vectors, refresh_lower, refresh_upper
 from coadapt.momdp.sarsop.expand import add_node
 from coadapt.momdp.sarsop.initial import (
     SETTLED,
@@ -23,6 +23,7 @@ from coadapt.momdp.sarsop.problem import Problem, as_arrays
 from coadapt.momdp.sarsop.prune import prune_points, prune_vectors
 from coadapt.momdp.sarsop.sample import CLOSED, NO_ROOM, STALLED, Bins, new_bins, run_trials
 from coadapt.momdp.sarsop.solution import Record, Solution, Status
+from coadapt.momdp.sarsop.start import controller, controller_values
 from coadapt.momdp.sarsop.tree import (
     BACKUPS,
     BRANCHES,
@@ -31,6 +32,7 @@ from coadapt.momdp.sarsop.tree import (
     ENTRIES,
     GROUPS,
     KEPT,
+    LANES,
     LISTED,
     NODES,
     NONE,
@@ -45,8 +47,12 @@ from coadapt.momdp.sarsop.tree import (
 SWEEPS = 10_000
 """Most sweeps of each initial bound."""
 
-POLICIES = 8
-"""Most hidden states whose best policy starts the lower bound."""
+WORK = 20_000_000
+"""Most products that go into the fast informed bound, and values into that of each first policy:
+where it takes more, search does better."""
+
+NUMBERS = 16_000_000
+"""Most numbers in the alpha vectors that the search starts from, if one policy has no more."""
 
 ENDS = {CLOSED: Status.GAP, STALLED: Status.PRECISION}
 
@@ -71,15 +77,16 @@ def compile_kernels() -> None:
         discount=0.5,
         roots=[Root(0, np.ones(1))],
     )
-    search = Search(problem)
+    search = Search(problem, AlphaVectorPolicy(np.array([0, 1]), np.zeros((1, 1)), np.array([0])))
     search.run(1e-3, 0.0, None, 1)
     search.tidy()
+    _ = search.record(0.0)
 
 
 class Search:
     """One search of one problem."""
 
-    def __init__(self, problem: MOMDP) -> None:
+    def __init__(self, problem: MOMDP, start: AlphaVectorPolicy | None = None) -> None:
         self._problem = problem
         self._weight = np.array([root.probability for root in problem.roots])
         self._arrays = as_arrays(problem)
@@ -91,7 +98,7 @@ class Search:
         self._room[ENTRIES] = actions * fan * hidden
         self._room[BRANCHES] = actions
         self._room[VECTORS] = self._room[GROUPS] = self._room[POINTS] = 1
-        self._tree, self._bins = self._begin(self._arrays)
+        self._tree, self._bins = self._begin(self._arrays, start)
         self._roots = self._plant()
 
     @property
@@ -160,20 +167,27 @@ class Search:
             seconds=seconds,
         )
 
-    def _begin(self, p: Problem) -> tuple[Tree, Bins]:
+    def _begin(self, p: Problem, start: AlphaVectorPolicy | None) -> tuple[Tree, Bins]:
         tolerance = SETTLED * float(np.abs(p.reward).max(initial=1e-6))
         q = mdp_values(p, tolerance, SWEEPS)
-        policies = observed_policies(q, POLICIES)
-        fast_informed_bound(p, q, tolerance, SWEEPS)
+        policies = observed_policies(q, max(1, NUMBERS // self._problem.states))
+        fast_informed_bound(p, q, tolerance, SWEEPS, WORK)
         tree = new_tree(p, q)
         states = p.reward.shape[0]
         room = np.zeros_like(self._room)
-        room[VECTORS] = room[GROUPS] = states * len(policies)
+        room[VECTORS] = states * len(policies)
+        room[GROUPS] = states * -(-len(policies) // LANES)
         tree = grow(tree, room)
-        for policy in policies:
-            values = policy_values(p, policy, tolerance, SWEEPS)
-            for x in range(states):
-                add_vector(tree, x, values[x], int(policy[x]))
+        sweeps = min(SWEEPS, max(1, WORK // self._problem.states))
+        for policy, order in policies:
+            add_vectors(tree, policy_values(p, policy, order, tolerance, sweeps), policy)
+        if start is not None:
+            states_met = controller(self._problem, start)
+            values = controller_values(p, states_met, tolerance, SWEEPS)
+            room[VECTORS] = room[GROUPS] = len(values)
+            tree = grow(tree, room)
+            for x, action, alpha in zip(states_met.x, states_met.action, values, strict=True):
+                add_vector(tree, int(x), alpha, int(action))
         prune_vectors(tree)
         tree.used[KEPT] = tree.used[LISTED]
         return tree, new_bins(float(tree.corner.min()), float(tree.corner.max()))

@@ -13,9 +13,11 @@ from time import perf_counter
 import numpy as np
 
 from coadapt.momdp.model import MOMDP
+from coadapt.momdp.policy import AlphaVectorPolicy
 from coadapt.momdp.sarsop.progress import ProgressLine
 from coadapt.momdp.sarsop.search import COMPILING, Search, compile_kernels, kernels_are_compiled
 from coadapt.momdp.sarsop.solution import Record, Solution, Status
+from coadapt.momdp.sarsop.start import require_fit
 
 CALL_SECONDS = 0.1
 """About how long a kernel runs before Python looks up."""
@@ -58,42 +60,50 @@ class SARSOP:
         if self.time_limit is not None and not self.time_limit >= 0:
             raise ValueError(f"time_limit must be at least 0 seconds, not {self.time_limit}")
 
-    def solve(self, problem: MOMDP) -> Solution:
-        """Plan for ``problem``.
+    def solve(self, problem: MOMDP, start: AlphaVectorPolicy | None = None) -> Solution:
+        """Plan for ``problem``, from what ``start`` achieves in it if that is given.
+
+        The values in ``start`` are not trusted: it may be a policy for a problem with other
+        probabilities, rewards or discount, of the same sizes.
 
         Ctrl-C ends the search and returns the best policy so far, with status ``INTERRUPTED``.
+
+        Raises:
+            ValueError: if ``start`` does not fit the problem's states and actions.
         """
+        if start is not None:
+            require_fit(problem, start)
         with ProgressLine(self.progress) as line:
             if not kernels_are_compiled():
                 line.say(COMPILING)
             compile_kernels()
             line.say("initial bounds")
-            start = perf_counter()
-            search = Search(problem)
+            begun = perf_counter()
+            search = Search(problem, start)
             trace: list[Record] = []
 
             def record() -> None:
-                trace.append(search.record(perf_counter() - start))
+                trace.append(search.record(perf_counter() - begun))
                 if self.callback is not None:
                     self.callback(trace[-1])
 
             record()
             try:
-                status = self._search(search, start, record, line)
+                status = self._search(search, begun, record, line)
             except KeyboardInterrupt:
                 status = Status.INTERRUPTED
             record()
-            return search.solution(status, tuple(trace), perf_counter() - start)
+            return search.solution(status, tuple(trace), perf_counter() - begun)
 
     def _search(
-        self, search: Search, start: float, record: Callable[[], None], line: ProgressLine
+        self, search: Search, begun: float, record: Callable[[], None], line: ProgressLine
     ) -> Status:
         last = self.max_backups
         call = 50  # backups asked of the next kernel call
         next_record = 100
         while True:
             done = search.backups
-            seconds = perf_counter() - start
+            seconds = perf_counter() - begun
             line.show(search.record, seconds)
             if last is not None and done >= last:
                 return Status.BACKUPS

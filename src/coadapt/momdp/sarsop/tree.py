@@ -29,7 +29,8 @@ NONE = -1
 NODES, ENTRIES, BRANCHES, CHILDREN, VECTORS, GROUPS, POINTS = range(7)
 BACKUPS, TRIALS = 7, 8
 LISTED, KEPT = 9, 10  # alpha vectors in the lists now, and after the last time some retired
-COUNTS = 11
+LISTED_POINTS, KEPT_POINTS = 11, 12  # the same of points
+COUNTS = 13
 
 LANES = 8
 """Alpha vectors in a group."""

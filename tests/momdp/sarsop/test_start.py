@@ -1,0 +1,75 @@
+"""Starting the solver from a policy."""
+
+from __future__ import annotations
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+import coadapt as ca
+from coadapt.momdp import MOMDP, AlphaVectorPolicy
+from coadapt.momdp.exact import exact_value
+from coadapt.momdp.sarsop import SARSOP
+from tests.momdp.problems import tiger
+from tests.momdp.strategies import jump_momdps, momdps
+
+ROUNDING = 1e-9
+NO_SEARCH = SARSOP(max_backups=0)
+
+
+@pytest.mark.parametrize(
+    "problem",
+    [tiger(), ca.SharedAutonomy(ca.worlds.table_clearing()).to_momdp()],
+    ids=["tiger", "table clearing"],
+)
+def test_a_solution_is_as_good_a_start(problem: MOMDP) -> None:
+    solved = SARSOP(gap=1e-3).solve(problem)
+    again = NO_SEARCH.solve(problem, solved.policy)
+    # The controller follows the policy from the roots; what it sums up is cut off at the part
+    # 1e-4 of the largest reward that initial bounds are settled to.
+    allowed = 1e-4 * float(np.abs(problem.reward).max()) / (1 - problem.discount)
+    assert np.all(again.root_lower >= solved.root_lower - allowed)
+    assert np.all(again.root_lower <= solved.root_upper + ROUNDING)
+
+
+@given(momdps() | jump_momdps(discounts=(0.7,)), st.integers(0, 2**32))
+@settings(max_examples=60)
+def test_values_in_the_start_are_not_believed(problem: MOMDP, seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    x, y, a, _ = problem.shape
+    boast = AlphaVectorPolicy(
+        start=2 * np.arange(x + 1),
+        vectors=rng.normal(scale=1e6, size=(2 * x, y)),
+        actions=rng.integers(a, size=2 * x),
+    )
+    solution = NO_SEARCH.solve(problem, boast)
+    exact = exact_value(problem, 1e-3)
+    assert np.all(solution.root_lower <= exact.upper + ROUNDING)
+    # It adds to what the solver begins with.
+    assert np.all(solution.root_lower >= NO_SEARCH.solve(problem).root_lower - ROUNDING)
+
+
+def test_a_start_for_other_rewards_is_valued_anew() -> None:
+    problem = tiger()
+    policy = SARSOP(gap=1e-3).solve(problem).policy
+    halved = replace(problem, reward=problem.reward / 2)
+    # The same choices earn half: 19.37136837 / 2, from tests/momdp/test_exact.py.
+    solution = NO_SEARCH.solve(halved, policy)
+    assert solution.lower == pytest.approx(19.37136837 / 2, abs=0.1)
+    assert solution.lower <= 19.37136837 / 2 + ROUNDING
+
+
+def test_a_start_of_other_sizes_is_refused() -> None:
+    policy = AlphaVectorPolicy(np.array([0, 1]), np.zeros((1, 3)), np.array([0]))
+    with pytest.raises(ValueError, match="1 observed and 3 hidden states, the problem has 1 and 2"):
+        SARSOP().solve(tiger(), policy)
+    with pytest.raises(ValueError, match=r"outside 0 \.\. 2"):
+        SARSOP().solve(tiger(), replace(policy, vectors=np.zeros((1, 2)), actions=np.array([3])))
+    with pytest.raises(ValueError, match="no vector for x0"):
+        SARSOP().solve(
+            tiger(),
+            AlphaVectorPolicy(np.array([0, 0]), np.zeros((0, 2)), np.zeros(0, dtype=np.int64)),
+        )
