@@ -183,7 +183,9 @@ class Search:
             add_vectors(tree, policy_values(p, policy, order, tolerance, sweeps), policy)
         if start is not None:
             states_met = controller(self._problem, start)
-            values = controller_values(p, states_met, tolerance, SWEEPS)
+            # More exactly than the policies above: this is where the search goes on.
+            exactly = 1e-2 * (1.0 - p.discount) * tolerance
+            values = controller_values(p, states_met, exactly, SWEEPS)
             room[VECTORS] = room[GROUPS] = len(values)
             tree = grow(tree, room)
             for x, action, alpha in zip(states_met.x, states_met.action, values, strict=True):
