@@ -48,8 +48,11 @@ def backup_upper(p: Problem, tree: Tree, n: int, scratch: FloatArray) -> int:
         first = branch["first_child"]
         for c in range(first, first + branch["children"]):
             child = tree.children[c]
-            upper = refresh_upper(tree, child["node"], scratch)
-            total += p.discount * child["probability"] * upper
+            below = tree.nodes[child["node"]]
+            # Asked here as well: a call with so many arrays costs more than the question.
+            if tree.newest_point[below["x"]] > below["points_seen"]:
+                refresh_upper(tree, child["node"], scratch)
+            total += p.discount * child["probability"] * below["upper"]
         branch["upper"] = min(branch["upper"], total)
     leading = float(tree.branches[r + best]["upper"])
     if leading < node["upper"] - GAIN * (1.0 + abs(leading)):
@@ -107,7 +110,10 @@ def q_lower(p: Problem, tree: Tree, r: int) -> float:
     first = branch["first_child"]
     for c in range(first, first + branch["children"]):
         child = tree.children[c]
-        total += p.discount * child["probability"] * refresh_lower(tree, child["node"])
+        below = tree.nodes[child["node"]]
+        if tree.newest_vector[below["x"]] > below["vectors_seen"]:
+            refresh_lower(tree, child["node"])
+        total += p.discount * child["probability"] * below["lower"]
     return total
 
 
