@@ -13,7 +13,7 @@ from coadapt.momdp.sarsop.bounds import (
     refresh_upper,
 )
 from coadapt.momdp.sarsop.expand import expand_branch
-from coadapt.momdp.sarsop.jit import kernel
+from coadapt.momdp.sarsop.jit import inner
 from coadapt.momdp.sarsop.problem import Problem, pull
 from coadapt.momdp.sarsop.tree import BACKUPS, NONE, Tree
 
@@ -24,7 +24,7 @@ LARGE_PART = 0.1
 """Of a node's gap: by how much its upper bound must fall for other nodes to look at it again."""
 
 
-@kernel
+@inner
 def backup_upper(p: Problem, tree: Tree, n: int, scratch: FloatArray) -> int:
     """Tighten the upper bounds of the actions of opened node ``n``; the action with the largest.
 
@@ -65,7 +65,7 @@ def backup_upper(p: Problem, tree: Tree, n: int, scratch: FloatArray) -> int:
     return best
 
 
-@kernel
+@inner
 def leading_action(p: Problem, tree: Tree, n: int) -> int:
     """The action of opened node ``n`` with the largest upper bound."""
     r = tree.nodes[n]["first_branch"]
@@ -76,7 +76,7 @@ def leading_action(p: Problem, tree: Tree, n: int) -> int:
     return best
 
 
-@kernel
+@inner
 def backup_lower(p: Problem, tree: Tree, n: int) -> None:
     """Add the alpha vector of the best action at opened node ``n``, if it raises the bound.
 
@@ -87,7 +87,7 @@ def backup_lower(p: Problem, tree: Tree, n: int) -> None:
     node = tree.nodes[n]
     r = node["first_branch"]
     refresh_lower(tree, n)
-    best = NONE
+    best = actions  # none
     best_value = node["lower"] + GAIN * (1.0 + abs(node["lower"]))
     for a in range(actions):
         branch = tree.branches[r + a]
@@ -96,13 +96,13 @@ def backup_lower(p: Problem, tree: Tree, n: int) -> None:
             if value > best_value:
                 best = a
                 best_value = value
-    if best != NONE:
+    if best < actions:
         add_vector(tree, node["x"], backed_up_vector(p, tree, n, best), best)
         refresh_lower(tree, n)
     tree.used[BACKUPS] += 1
 
 
-@kernel
+@inner
 def q_lower(p: Problem, tree: Tree, r: int) -> float:
     """Lower bound of ``Q`` of expanded branch ``r``, from the bounds of its children."""
     branch = tree.branches[r]
@@ -117,7 +117,7 @@ def q_lower(p: Problem, tree: Tree, r: int) -> float:
     return total
 
 
-@kernel
+@inner
 def backed_up_vector(p: Problem, tree: Tree, n: int, a: int) -> FloatArray:
     """``[Y]`` the value of taking ``a`` in node ``n`` and then what is best at each child.
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from coadapt.arrays import FloatArray, IntArray
-from coadapt.momdp.sarsop.jit import kernel
+from coadapt.momdp.sarsop.jit import inner, kernel
 from coadapt.momdp.sarsop.tree import (
     GROUPS,
     LANES,
@@ -75,7 +75,7 @@ def refresh_upper(tree: Tree, n: int, scratch: FloatArray) -> float:
     return node["upper"]
 
 
-@kernel
+@inner
 def drop_by(tree: Tree, i: int, above: float, mass: FloatArray) -> float:
     """How far below the corners point ``i`` brings the bound at the belief ``mass`` ``[Y]``.
 
@@ -93,7 +93,7 @@ def drop_by(tree: Tree, i: int, above: float, mass: FloatArray) -> float:
     return ratio * point["drop"]
 
 
-@kernel
+@inner
 def lower_upper(tree: Tree, n: int, upper: float) -> None:
     """Set the upper bound of node ``n`` to ``upper`` if that is less, and that of its point."""
     node = tree.nodes[n]
@@ -149,7 +149,7 @@ def add_vectors(tree: Tree, values: FloatArray, actions: IntArray) -> None:
         add_vector(tree, x, values[x], actions[x])
 
 
-@kernel
+@inner
 def add_lane(tree: Tree, x: int, v: int) -> None:
     """Put alpha vector ``v`` into the newest group of observed state ``x``, or a new one."""
     g = tree.newest_group[x]
@@ -167,7 +167,7 @@ def add_lane(tree: Tree, x: int, v: int) -> None:
         tree.lane_alpha[g, y, k] = tree.alpha[v, y]
 
 
-@kernel
+@inner
 def add_point(tree: Tree, n: int) -> None:
     """Append the belief of node ``n`` with its upper bound as a point for others to use."""
     node = tree.nodes[n]

@@ -9,7 +9,7 @@ import numpy as np
 
 from coadapt.arrays import BoolArray, FloatArray, IntArray
 from coadapt.momdp.policy import AlphaVectorPolicy
-from coadapt.momdp.sarsop.jit import kernel
+from coadapt.momdp.sarsop.jit import inner, kernel
 from coadapt.momdp.sarsop.problem import Problem, push, row_of
 
 OVER = -1
@@ -66,7 +66,7 @@ def mark_ended(p: Problem) -> BoolArray:
     return ended
 
 
-@kernel
+@inner
 def leads_on(
     p: Problem, ended: BoolArray, x: int, y: int, index: IntArray, chance: FloatArray
 ) -> bool:
@@ -84,7 +84,7 @@ def leads_on(
     return False
 
 
-@kernel
+@inner
 def stays(p: Problem, row: int, x: int, y: int, into: IntArray, chance: FloatArray) -> bool:
     """Whether ``row`` of the edges leads from hidden state ``y`` to ``(x, y)`` and nowhere else.
 
@@ -167,7 +167,7 @@ def run_steps(
     return taken
 
 
-@kernel
+@inner
 def best_action(
     policy: Columns, x: int, index: IntArray, mass: FloatArray, hidden: int, values: FloatArray
 ) -> int:
@@ -189,7 +189,7 @@ def best_action(
     return int(policy.action[policy.start[x] + best])
 
 
-@kernel
+@inner
 def draw_successor(
     p: Problem, row: int, y: int, uniform: float, into: IntArray, chance: FloatArray
 ) -> int:
@@ -215,7 +215,7 @@ def draw_successor(
     return x_next
 
 
-@kernel
+@inner
 def draw_observation(p: Problem, row: int, uniform: float) -> int:
     """An observation of ``row`` of the observation tables."""
     o = 0
@@ -229,7 +229,7 @@ def draw_observation(p: Problem, row: int, uniform: float) -> int:
     return o
 
 
-@kernel
+@inner
 def follow(
     p: Problem,
     row: int,
@@ -251,7 +251,7 @@ def follow(
                 out[y] += moved[y]
 
 
-@kernel
+@inner
 def correct(p: Problem, first: int, o: int, belief: FloatArray) -> None:
     """Weigh ``belief`` by the chance of ``o`` in the table that begins at ``first``; normalise."""
     total = 0.0

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from coadapt.arrays import FloatArray, IntArray
-from coadapt.momdp.sarsop.jit import kernel
+from coadapt.momdp.sarsop.jit import inner, kernel
 from coadapt.momdp.sarsop.problem import Problem, push
 from coadapt.momdp.sarsop.tree import BRANCHES, CHILDREN, ENTRIES, NODES, NONE, Tree
 
@@ -78,7 +78,7 @@ def add_node(tree: Tree, x: int, index: IntArray, mass: FloatArray) -> int:
     return n
 
 
-@kernel
+@inner
 def is_node(tree: Tree, n: int, x: int, index: IntArray, mass: FloatArray) -> bool:
     """Whether node ``n`` is the belief with ``mass`` on ``index`` in observed state ``x``."""
     node = tree.nodes[n]
@@ -94,7 +94,7 @@ def is_node(tree: Tree, n: int, x: int, index: IntArray, mass: FloatArray) -> bo
     return True
 
 
-@kernel
+@inner
 def open_node(p: Problem, tree: Tree, n: int) -> None:
     """Give node ``n`` its branches, bounded by the informed bound."""
     actions = p.reward.shape[1]
@@ -117,7 +117,7 @@ def open_node(p: Problem, tree: Tree, n: int) -> None:
         branch["children"] = 0
 
 
-@kernel
+@inner
 def expand_branch(p: Problem, tree: Tree, n: int, a: int) -> None:
     """Give branch ``a`` of node ``n`` its children: every successor and observation."""
     _, actions, hidden = p.reward.shape

@@ -14,7 +14,7 @@ from __future__ import annotations
 import numpy as np
 
 from coadapt.arrays import BoolArray, FloatArray, IntArray
-from coadapt.momdp.sarsop.jit import kernel
+from coadapt.momdp.sarsop.jit import inner, kernel
 from coadapt.momdp.sarsop.problem import Problem, pull, row_of, staying
 
 SETTLED = 1e-4
@@ -25,7 +25,7 @@ KNOWN = 8
 """Hidden states whose best policy starts the lower bound."""
 
 
-@kernel
+@inner
 def extreme_value(p: Problem, sign: float) -> float:
     """A number that no value exceeds (``sign`` 1), or that none falls below (``sign`` -1).
 
@@ -96,7 +96,7 @@ def mdp_values(p: Problem, tolerance: float, sweeps: int) -> FloatArray:
     return q
 
 
-@kernel
+@inner
 def leads_to_moved(p: Problem, x: int, moved: IntArray, since: int) -> bool:
     """Whether ``x`` or a successor of it has ``moved`` ``[X]`` at or after ``since``."""
     if moved[x] >= since:
@@ -108,7 +108,7 @@ def leads_to_moved(p: Problem, x: int, moved: IntArray, since: int) -> bool:
     return False
 
 
-@kernel
+@inner
 def back_up(p: Problem, x: int, a: int, value: FloatArray, out: FloatArray) -> None:
     """Write ``R(x, a, .) + gamma sum P(x', y' | x, ., a) value(x', y')`` to ``out`` ``[Y]``."""
     for y in range(out.shape[0]):
@@ -118,7 +118,7 @@ def back_up(p: Problem, x: int, a: int, value: FloatArray, out: FloatArray) -> N
         pull(p, p.edge_map[e], p.discount, value[p.edge_next[e]], out)
 
 
-@kernel
+@inner
 def leave(p: Problem, x: int, a: int, value: FloatArray, out: FloatArray) -> None:
     """Turn ``out`` ``[Y]``, the backed-up value of ``a`` once, into that of ``a`` until ``(x, y)``
     changes: all turns of the loop at once, which saves their sweeps."""
@@ -190,7 +190,7 @@ def fast_informed_bound(
             break
 
 
-@kernel
+@inner
 def tells_nothing(p: Problem, x: int, a: int, single: BoolArray) -> bool:
     """Whether the hidden state after ``a`` in ``x`` follows from that before and ``x'``."""
     row = x * p.reward.shape[1] + a
@@ -200,7 +200,7 @@ def tells_nothing(p: Problem, x: int, a: int, single: BoolArray) -> bool:
     return True
 
 
-@kernel
+@inner
 def single_valued(p: Problem) -> BoolArray:
     """``[K]`` whether each map leads from every hidden state to one alone."""
     hidden = p.reward.shape[2]
@@ -216,7 +216,7 @@ def single_valued(p: Problem) -> BoolArray:
     return single
 
 
-@kernel
+@inner
 def informed_step(
     p: Problem,
     q: FloatArray,

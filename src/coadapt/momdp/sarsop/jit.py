@@ -29,7 +29,17 @@ KERNELS = _digest_of_kernels()
 
 def kernel(function: Function) -> Function:
     """Compile ``function`` on first use and keep the result on disk."""
-    compiled: Any = numba.njit(cache=True)(function)
+    return _compiled(function, from_python=True)
+
+
+def inner(function: Function) -> Function:
+    """Compile ``function`` for kernels alone to call: what Python would need is left out."""
+    return _compiled(function, from_python=False)
+
+
+def _compiled(function: Function, *, from_python: bool) -> Function:
+    compiler: Any = numba.njit
+    compiled: Any = compiler(cache=True, no_cpython_wrapper=not from_python)(function)
     # numba asks only whether the kernel's own file changed, but the compiled code holds the kernels
     # it calls as well. So the stamp that it compares is made one of all kernels.
     cache = getattr(getattr(compiled, "_cache", None), "_cache_file", None)

@@ -6,7 +6,7 @@ import numpy as np
 
 from coadapt.arrays import FloatArray, IntArray
 from coadapt.momdp.sarsop.bounds import add_lane, drop_by
-from coadapt.momdp.sarsop.jit import kernel
+from coadapt.momdp.sarsop.jit import inner, kernel
 from coadapt.momdp.sarsop.tree import (
     GROUPS,
     KEPT,
@@ -21,7 +21,7 @@ from coadapt.momdp.sarsop.tree import (
 )
 
 
-@kernel
+@inner
 def retire_vectors(tree: Tree) -> None:
     """Leave out of the look-up the alpha vectors at which no node has its bound.
 
@@ -54,7 +54,7 @@ def retire_vectors(tree: Tree) -> None:
     tree.used[LISTED] = tree.used[KEPT] = kept
 
 
-@kernel
+@inner
 def regroup(tree: Tree) -> None:
     """Fill the groups anew from the lists of alpha vectors, the oldest first."""
     stack = np.empty(tree.used[VECTORS], dtype=np.int64)
@@ -110,7 +110,7 @@ def prune_vectors(tree: Tree) -> None:
     regroup(tree)
 
 
-@kernel
+@inner
 def retire_points(tree: Tree) -> None:
     """Leave out of the look-up the points that the others make superfluous.
 
@@ -146,7 +146,7 @@ SMALL_PART = 0.002
 """Of the gap at a point: how much it must tighten the bound there."""
 
 
-@kernel
+@inner
 def is_superfluous(tree: Tree, others: IntArray, j: int, mass: FloatArray) -> bool:
     """Whether another of the points ``others`` does what the ``j``-th does, or nearly.
 

@@ -18,7 +18,7 @@ from coadapt.arrays import FloatArray, IntArray
 from coadapt.momdp.sarsop.backup import backup_lower, backup_upper, q_lower
 from coadapt.momdp.sarsop.bounds import refresh_lower, refresh_upper
 from coadapt.momdp.sarsop.expand import expand_branch, open_node
-from coadapt.momdp.sarsop.jit import kernel
+from coadapt.momdp.sarsop.jit import inner, kernel
 from coadapt.momdp.sarsop.problem import Problem
 from coadapt.momdp.sarsop.prune import retire_points, retire_vectors
 from coadapt.momdp.sarsop.tree import (
@@ -72,7 +72,7 @@ def new_bins(low: float, high: float) -> Bins:
     return Bins(np.zeros((BINS, BINS)), np.zeros((BINS, BINS), dtype=np.int64), low, width)
 
 
-@kernel
+@inner
 def predicted_value(tree: Tree, bins: Bins, n: int) -> float:
     """Mean lower bound of the beliefs in the bin of node ``n``; its upper bound in an empty one.
 
@@ -120,7 +120,7 @@ def run_trials(
     while True:
         before = tree.used[VECTORS] + tree.used[POINTS] + tree.used[CHILDREN]
         widest = allowed = 0.0
-        root = NONE
+        root = roots[0]
         for n in roots:
             upper, lower = refresh_upper(tree, n, scratch), refresh_lower(tree, n)
             close = max(gap, relative_gap * max(lower, -upper))
@@ -128,7 +128,7 @@ def run_trials(
                 widest = upper - lower
                 allowed = close
                 root = n
-        if root == NONE:
+        if widest == 0.0:
             return CLOSED
         if tree.used[BACKUPS] >= stop:
             return WORKED
@@ -155,7 +155,7 @@ def run_trials(
                 return STALLED
 
 
-@kernel
+@inner
 def policy_action(p: Problem, tree: Tree, n: int) -> int:
     """The action that the policy so far takes at opened node ``n``; its branch has children."""
     refresh_lower(tree, n)
@@ -165,7 +165,7 @@ def policy_action(p: Problem, tree: Tree, n: int) -> int:
     return a
 
 
-@kernel
+@inner
 def descend(
     p: Problem,
     tree: Tree,

@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coadapt.arrays import FloatArray, IntArray
-from coadapt.momdp.sarsop.jit import kernel
+from coadapt.momdp.sarsop.jit import inner
 from coadapt.momdp.sarsop.problem import Problem
 
 Records = NDArray[np.void]
@@ -198,7 +198,7 @@ def larger_size(array: FloatArray | IntArray | Records, wanted: int) -> int:
     return max(wanted, 2 * len(array))
 
 
-@kernel
+@inner
 def has_room(tree: Tree, room: IntArray) -> bool:
     """Whether every array has ``room`` ``[COUNTS]`` more places."""
     used = tree.used
