@@ -48,8 +48,10 @@ SWEEPS = 10_000
 """Most sweeps of each initial bound."""
 
 WORK = 20_000_000
-"""Most products that go into the fast informed bound, and values into that of each first policy:
-where it takes more, search does better."""
+"""Most products that go into the fast informed bound: where it takes more, search does better."""
+
+VALUES = 400_000
+"""Most values that are computed for each policy that starts the lower bound."""
 
 NUMBERS = 16_000_000
 """Most numbers in the alpha vectors that the search starts from, if one policy has no more."""
@@ -178,7 +180,7 @@ class Search:
         room[VECTORS] = states * len(policies)
         room[GROUPS] = states * -(-len(policies) // LANES)
         tree = grow(tree, room)
-        sweeps = min(SWEEPS, max(1, WORK // self._problem.states))
+        sweeps = min(SWEEPS, max(5, VALUES // self._problem.states))
         for policy, order in policies:
             add_vectors(tree, policy_values(p, policy, order, tolerance, sweeps), policy)
         if start is not None:
