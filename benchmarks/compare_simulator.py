@@ -1,4 +1,4 @@
-"""Follows our policies in the simulator of the C++ reference solver, and in one of our own.
+"""Follows our policies in the simulator of the C++ reference solver, and in our own.
 
     python benchmarks/compare_simulator.py --simulator PATH/TO/pomdpsim FILE...
 
@@ -8,7 +8,7 @@ as many steps as discounting leaves above ``--rest``. One line per problem, in M
 and the mean discounted reward with its 95 % confidence interval
 
 *ours*
-    taking the action of the best alpha vector, at the beliefs that `MOMDP` defines;
+    by `simulate_policy`: taking the action of the best alpha vector at the exact belief;
 *theirs*
     the same (``--lookahead no``);
 *theirs, looking ahead*
@@ -26,71 +26,16 @@ import math
 import re
 import subprocess
 import tempfile
-from functools import cache
 from pathlib import Path
 
 import numpy as np
-from numpy.typing import NDArray
 
 import coadapt as ca
-from coadapt.momdp import MOMDP, AlphaVectorPolicy
+from coadapt.momdp.evaluate import NORMAL_95, simulate_policy
 from coadapt.momdp.files import read_pomdp, write_policy, write_pomdpx
 from coadapt.momdp.sarsop import SARSOP
 
 TABLE_CLEARING = "table-clearing"
-
-NORMAL = 1.96
-"""Half of a 95 % confidence interval in standard deviations."""
-
-Floats = NDArray[np.float64]
-Ints = NDArray[np.int64]
-
-
-def picked(chance: Floats, rng: np.random.Generator) -> Ints:
-    """An index for each row of ``chance`` ``[N, K]``, with the probabilities of the row."""
-    total = np.cumsum(chance, axis=1)
-    draw = rng.random(len(chance)) * total[:, -1]
-    return (total <= draw[:, None]).sum(axis=1)
-
-
-def simulate(
-    problem: MOMDP, policy: AlphaVectorPolicy, steps: int, runs: int, rng: np.random.Generator
-) -> Floats:
-    """``[runs]`` discounted rewards of following ``policy`` for ``steps`` steps."""
-    roots = problem.roots
-    start = rng.choice(len(roots), size=runs, p=[root.probability for root in roots])
-    x = np.array([root.x for root in roots])[start]
-    belief = np.array([root.belief for root in roots])[start]  # [N, Y]
-    y = picked(belief, rng)
-    found, weight = np.zeros(runs), 1.0
-    matrix = cache(problem.transition.matrix)
-    for _ in range(steps):
-        action = np.empty(runs, dtype=np.int64)
-        for state in np.unique(x):
-            own = np.flatnonzero(x == state)
-            part = slice(int(policy.start[state]), int(policy.start[state + 1]))
-            best = np.argmax(belief[own] @ policy.vectors[part].T, axis=1)
-            action[own] = policy.actions[part][best]
-        found += weight * problem.reward[x, action, y]
-        weight *= problem.discount
-        before, actions = x.copy(), problem.shape[2]
-        for pair in np.unique(before * actions + action):
-            state, a = divmod(int(pair), actions)
-            own = np.flatnonzero((before == state) & (action == a))
-            edges = list(problem.edges(state, a))
-            maps = [matrix(int(problem.edge_map[e])) for e in edges]
-            edge = picked(np.stack([m[y[own]].sum(axis=1) for m in maps], axis=1), rng)
-            for i, e in enumerate(edges):
-                here = own[edge == i]
-                if len(here) == 0:
-                    continue
-                x[here] = to = int(problem.edge_next[e])
-                y[here] = picked(maps[i][y[here]], rng)
-                sight = problem.observation[problem.observation_index[a, to]]  # [Y, O]
-                seen = picked(sight[y[here]], rng)
-                after = (belief[here] @ maps[i]) * sight[:, seen].T
-                belief[here] = after / after.sum(axis=1, keepdims=True)
-    return found
 
 
 def reference(
@@ -120,22 +65,21 @@ def compare(path: Path, options: argparse.Namespace, directory: Path) -> str:
     policy = directory / "a.policy"
     write_policy(solution.policy, policy)
     steps = math.ceil(math.log(options.rest) / math.log(problem.discount))
-    rewards = simulate(
-        problem, solution.policy, steps, options.runs, np.random.default_rng(options.seed)
-    )
-    mean, spread = float(rewards.mean()), NORMAL * float(rewards.std()) / math.sqrt(options.runs)
+    rng = np.random.default_rng(options.seed)
+    ours = simulate_policy(problem, solution.policy, options.runs, rng=rng, horizon=steps)
+    spread = NORMAL_95 * ours.standard_error
     args = (options.simulator, path.resolve(), policy, steps)
     theirs, width = reference(*args, options.reference_runs, "--lookahead", "no")
     cells = [
         name, f"{solution.vectors}", f"{solution.lower:.4f}", f"{solution.upper:.4f}", f"{steps}",
-        f"{mean:.4f} ± {spread:.4f}", f"{theirs:.4f} ± {width:.4f}",
+        f"{ours.mean:.4f} ± {spread:.4f}", f"{theirs:.4f} ± {width:.4f}",
     ]  # fmt: skip
     if options.lookahead_runs:
         ahead, ahead_width = reference(*args, options.lookahead_runs)
         cells.append(f"{ahead:.4f} ± {ahead_width:.4f}")
-    deviation = math.hypot(spread, width) / NORMAL
+    deviation = math.hypot(spread, width) / NORMAL_95
     # Their output has six digits.
-    cells.append("exact" if deviation < 1e-5 else f"{(theirs - mean) / deviation:+.2f}")
+    cells.append("exact" if deviation < 1e-5 else f"{(theirs - ours.mean) / deviation:+.2f}")
     return f"| {' | '.join(cells)} |"
 
 

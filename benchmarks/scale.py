@@ -20,7 +20,6 @@ from __future__ import annotations
 import argparse
 import csv
 import json
-import resource
 import subprocess
 import sys
 import time
@@ -102,13 +101,14 @@ def states_of(case: Case) -> int:
 def run(case: Case, time_limit: float) -> Row:
     """Build and solve ``case`` in this process."""
     import coadapt as ca
+    from coadapt.cli.process import peak_memory_mb
 
     # Compile, or read from the cache, outside of the measurement.
     ca.SARSOP(gap=1e-2).solve(ca.SharedAutonomy(ca.worlds.table_clearing(5, 2)).to_momdp())
-    at_rest = peak_megabytes()
+    at_rest = peak_memory_mb()
     start = time.perf_counter()
     problem = model_of(case).to_momdp()
-    built, memory_built = time.perf_counter(), peak_megabytes()
+    built, memory_built = time.perf_counter(), peak_memory_mb()
     solution = ca.SARSOP(relative_gap=0.01, time_limit=time_limit).solve(problem)
     observed, hidden, actions, observations = problem.shape
     return {
@@ -131,14 +131,8 @@ def run(case: Case, time_limit: float) -> Row:
         "vectors": solution.vectors,
         "rest_megabytes": at_rest,
         "build_megabytes": memory_built,
-        "peak_megabytes": peak_megabytes(),
+        "peak_megabytes": peak_memory_mb(),
     }
-
-
-def peak_megabytes() -> float:
-    """The most memory this process has had so far."""
-    kilo = 1024 if sys.platform == "darwin" else 1
-    return resource.getrusage(resource.RUSAGE_SELF).ru_maxrss / 1024 / kilo
 
 
 def run_apart(case: Case, time_limit: float) -> Row:

@@ -2,13 +2,8 @@
 
 from __future__ import annotations
 
-import json
 import math
-import os
-import subprocess
-import sys
 from dataclasses import replace
-from pathlib import Path
 
 import numpy as np
 import pytest
@@ -21,6 +16,7 @@ from coadapt.momdp.evaluate import BLOCK, LONGEST, default_horizon, simulate_pol
 from coadapt.momdp.exact import evaluate_policy, exact_value
 from coadapt.momdp.sarsop.episodes import OVER, Episodes, as_columns, mark_ended, run_steps
 from coadapt.momdp.sarsop.problem import as_arrays
+from tests.momdp.apart import run_apart
 from tests.momdp.problems import corridor, known_hidden_policy, tiger
 from tests.momdp.strategies import beliefs, momdps
 
@@ -227,24 +223,9 @@ print(json.dumps({"compiled": not numba.config.DISABLE_JIT, "found": found}))
 """
 
 
-def run_apart(**environment: str) -> dict[str, object]:
-    root = Path(__file__).parents[2]
-    source = str(Path(ca.__file__).parents[1])
-    path = os.pathsep.join([source, str(root), os.environ.get("PYTHONPATH", "")])
-    done = subprocess.run(
-        [sys.executable, "-c", UNCOMPILED],
-        env={**os.environ, "PYTHONPATH": path, **environment},
-        capture_output=True,
-        text=True,
-        check=True,
-        timeout=300,
-    )
-    return json.loads(done.stdout)
-
-
 def test_kernels_do_the_same_uncompiled() -> None:
     # Same operations in the same order: the same numbers to the last bit.
-    plain = run_apart(NUMBA_DISABLE_JIT="1")
-    compiled = run_apart(NUMBA_DISABLE_JIT="0")
+    plain = run_apart(UNCOMPILED, NUMBA_DISABLE_JIT="1")
+    compiled = run_apart(UNCOMPILED, NUMBA_DISABLE_JIT="0")
     assert (plain["compiled"], compiled["compiled"]) == (False, True)
     assert plain["found"] == compiled["found"]

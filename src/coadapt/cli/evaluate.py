@@ -91,8 +91,9 @@ def command(
     """
     import numpy as np
 
-    from coadapt.momdp.evaluate import require_fit, simulate_policy
+    from coadapt.momdp.evaluate import simulate_policy
     from coadapt.momdp.files import read_policy
+    from coadapt.momdp.policy import require_fit
 
     with progress_line(not quiet) as tell:
         tell(f"reading {printable(problem)}")

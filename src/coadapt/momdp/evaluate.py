@@ -19,7 +19,7 @@ import numpy as np
 from coadapt.arrays import FloatArray, IntArray
 from coadapt.momdp.exact import return_range
 from coadapt.momdp.model import MOMDP
-from coadapt.momdp.policy import AlphaVectorPolicy
+from coadapt.momdp.policy import AlphaVectorPolicy, require_fit
 from coadapt.momdp.sarsop.episodes import (
     NO_VECTOR,
     OVER,
@@ -139,25 +139,6 @@ def simulate_policy(
         truncation=problem.discount**steps * later * unfinished / episodes,
         steps=taken,
     )
-
-
-def require_fit(problem: MOMDP, policy: AlphaVectorPolicy) -> None:
-    """Refuse a policy for a problem of another shape.
-
-    Raises:
-        ValueError: if the numbers of states differ, or the policy takes an action that is not
-            there.
-    """
-    x, y, a, _ = problem.shape
-    found = (len(policy.start) - 1, policy.vectors.shape[1])
-    if found != (x, y):
-        raise ValueError(
-            f"found a policy for {found[0]:,} observed and {found[1]:,} hidden states, "
-            f"expected one for {x:,} and {y:,}"
-        )
-    highest = int(policy.actions.max(initial=-1))
-    if highest >= a:
-        raise ValueError(f"found action {highest} in the policy, expected one of 0 to {a - 1}")
 
 
 class _Simulator:

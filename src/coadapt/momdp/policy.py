@@ -55,6 +55,25 @@ class AlphaVectorPolicy:
         return (self.vectors[self.start[x] : self.start[x + 1]] * belief).sum(axis=-1)
 
 
+def require_fit(problem: MOMDP, policy: AlphaVectorPolicy) -> None:
+    """Refuse a policy for a problem of another shape.
+
+    Raises:
+        ValueError: if the numbers of states differ, or the policy takes an action that is not
+            there.
+    """
+    x, y, a, _ = problem.shape
+    found = (len(policy.start) - 1, policy.vectors.shape[1])
+    if found != (x, y):
+        raise ValueError(
+            f"found a policy for {found[0]:,} observed and {found[1]:,} hidden states, "
+            f"expected one for {x:,} and {y:,}"
+        )
+    wrong = policy.actions[(policy.actions < 0) | (policy.actions >= a)]
+    if len(wrong):
+        raise ValueError(f"found action {wrong[0]} in the policy, expected one of 0 to {a - 1}")
+
+
 def action_values(
     problem: MOMDP, policy: AlphaVectorPolicy, x: int, belief: FloatArray
 ) -> FloatArray:

@@ -2,10 +2,6 @@
 
 from __future__ import annotations
 
-import json
-import os
-import subprocess
-import sys
 from functools import cache
 from itertools import pairwise
 from pathlib import Path
@@ -22,6 +18,7 @@ from coadapt.momdp.exact import evaluate_policy, exact_value
 from coadapt.momdp.files import read_pomdp
 from coadapt.momdp.sarsop import SARSOP, Record, Solution, Status
 from coadapt.momdp.sarsop.sample import DEPTH_LIMIT
+from tests.momdp.apart import run_apart
 from tests.momdp.problems import corridor, tiger
 from tests.momdp.strategies import beliefs, jump_momdps, momdps, sparse_momdps
 
@@ -190,6 +187,23 @@ def test_it_stops_after_the_backups() -> None:
         assert less.gap > more.gap
 
 
+def test_it_stops_at_the_relative_gap() -> None:
+    solution = SARSOP(gap=1e-9, relative_gap=0.05).solve(tiger())
+    assert solution.status is Status.GAP
+    # Not long after it could, so not for the other reason.
+    assert 1e-3 < solution.gap <= 0.05 * solution.lower + ROUNDING
+
+
+def test_it_stops_at_the_memory() -> None:
+    problem, solved = table_clearing()
+    solution = SARSOP(gap=1e-9, memory_limit=4 << 20).solve(problem)
+    assert solution.status is Status.MEMORY
+    assert np.all(solution.root_lower <= solved.root_upper + ROUNDING)
+    assert np.all(solution.root_upper >= solved.root_lower - ROUNDING)
+    more = SARSOP(gap=1e-9, memory_limit=16 << 20, max_backups=20_000).solve(problem)
+    assert more.backups > solution.backups
+
+
 def test_it_stops_at_the_time() -> None:
     problem = ca.SharedAutonomy(ca.worlds.table_clearing()).to_momdp()
     solution = SARSOP(gap=1e-12, time_limit=0.0).solve(problem)
@@ -252,6 +266,10 @@ def test_table_clearing_is_solved() -> None:
         (dict(gap=0.0), "gap"),
         (dict(gap=-1.0), "gap"),
         (dict(gap=float("nan")), "gap"),
+        (dict(relative_gap=-0.1), "relative_gap"),
+        (dict(relative_gap=1.0), "relative_gap"),
+        (dict(relative_gap=float("nan")), "relative_gap"),
+        (dict(memory_limit=0), "memory_limit"),
         (dict(max_backups=-1), "max_backups"),
         (dict(time_limit=-1.0), "time_limit"),
         (dict(time_limit=float("nan")), "time_limit"),
@@ -276,23 +294,9 @@ print(json.dumps({"compiled": not numba.config.DISABLE_JIT, "found": found}))
 """
 
 
-def run_apart(**environment: str) -> dict[str, Any]:
-    root = Path(__file__).parents[3]
-    path = os.pathsep.join([str(SRC), str(root), os.environ.get("PYTHONPATH", "")])
-    done = subprocess.run(
-        [sys.executable, "-c", UNCOMPILED],
-        env={**os.environ, "PYTHONPATH": path, **environment},
-        capture_output=True,
-        text=True,
-        check=True,
-        timeout=300,
-    )
-    return json.loads(done.stdout)
-
-
 def test_kernels_do_the_same_uncompiled() -> None:
     # Same operations in the same order: the same bounds to the last bit.
-    plain = run_apart(NUMBA_DISABLE_JIT="1")
-    compiled = run_apart(NUMBA_DISABLE_JIT="0")
+    plain = run_apart(UNCOMPILED, NUMBA_DISABLE_JIT="1")
+    compiled = run_apart(UNCOMPILED, NUMBA_DISABLE_JIT="0")
     assert (plain["compiled"], compiled["compiled"]) == (False, True)
     assert plain["found"] == compiled["found"]

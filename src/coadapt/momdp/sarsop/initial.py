@@ -6,7 +6,7 @@ Upper: the value with the hidden state known (MDP), then the fast informed bound
                 F_{a'}(x', y'),
 
 iterated from above. Lower: the values of policies that look at the observed state alone, iterated
-from below. Each iterate is a bound, so both may stop early.
+from below. Each iterate is a bound, so both may stop early; the MDP values are made one at the end.
 """
 
 from __future__ import annotations
@@ -19,7 +19,6 @@ from coadapt.momdp.sarsop.problem import Problem, pull, row_of, staying
 
 SETTLED = 1e-4
 """Sweeps end when no value moves by more than this part of the largest reward."""
-
 
 KNOWN = 8
 """Hidden states whose best policy starts the lower bound."""
@@ -192,7 +191,10 @@ def fast_informed_bound(
 
 @inner
 def tells_nothing(p: Problem, x: int, a: int, single: BoolArray) -> bool:
-    """Whether the hidden state after ``a`` in ``x`` follows from that before and ``x'``."""
+    """Whether, the hidden state once known, no observation after ``a`` in ``x`` adds to it.
+
+    ``single`` ``[K]`` is `single_valued`.
+    """
     row = x * p.reward.shape[1] + a
     for e in range(p.edge_start[row], p.edge_start[row + 1]):
         if not single[p.edge_map[e]]:

@@ -23,7 +23,7 @@ from coadapt.momdp.sarsop.tree import (
 
 @inner
 def retire_vectors(tree: Tree) -> None:
-    """Leave out of the look-up the alpha vectors at which no node has its bound.
+    """Leave out of the look-up the alpha vectors at which no opened node has its bound.
 
     They stay where they are, for nodes that hold them and for the policy.
     """

@@ -17,7 +17,7 @@ from coadapt.momdp.policy import AlphaVectorPolicy
 from coadapt.momdp.sarsop.progress import ProgressLine
 from coadapt.momdp.sarsop.search import COMPILING, Search, compile_kernels, kernels_are_compiled
 from coadapt.momdp.sarsop.solution import Record, Solution, Status
-from coadapt.momdp.sarsop.start import require_fit
+from coadapt.momdp.sarsop.start import require_start
 
 CALL_SECONDS = 0.1
 """About how long a kernel runs before Python looks up."""
@@ -72,7 +72,7 @@ class SARSOP:
             ValueError: if ``start`` does not fit the problem's states and actions.
         """
         if start is not None:
-            require_fit(problem, start)
+            require_start(problem, start)
         with ProgressLine(self.progress) as line:
             if not kernels_are_compiled():
                 line.say(COMPILING)

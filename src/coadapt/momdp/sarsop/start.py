@@ -20,7 +20,7 @@ import numpy as np
 
 from coadapt.arrays import FloatArray, IntArray
 from coadapt.momdp.model import MOMDP
-from coadapt.momdp.policy import AlphaVectorPolicy
+from coadapt.momdp.policy import AlphaVectorPolicy, require_fit
 from coadapt.momdp.sarsop.initial import extreme_value
 from coadapt.momdp.sarsop.jit import kernel
 from coadapt.momdp.sarsop.problem import Problem, pull
@@ -35,21 +35,13 @@ class Controller(NamedTuple):
     following: IntArray  # the state that follows, for every edge of (x, action) and observation
 
 
-def require_fit(problem: MOMDP, policy: AlphaVectorPolicy) -> None:
-    """Refuse a policy that cannot be one for ``problem``.
+def require_start(problem: MOMDP, policy: AlphaVectorPolicy) -> None:
+    """Refuse a policy that cannot be followed everywhere in ``problem``.
 
     Raises:
-        ValueError: if it has other states or actions, or no vector for some observed state.
+        ValueError: if it does not fit (`require_fit`) or has no vector for some observed state.
     """
-    x, y, a, _ = problem.shape
-    sizes = (len(policy.start) - 1, policy.vectors.shape[1])
-    if sizes != (x, y):
-        raise ValueError(
-            f"the policy is for {sizes[0]} observed and {sizes[1]} hidden states, "
-            f"the problem has {x} and {y}"
-        )
-    if len(policy.actions) and not (policy.actions.min() >= 0 and policy.actions.max() < a):
-        raise ValueError(f"the policy takes actions outside 0 .. {a - 1}")
+    require_fit(problem, policy)
     empty = np.flatnonzero(np.diff(policy.start) == 0)
     if len(empty):
         raise ValueError(f"the policy has no vector for {problem.observed_names[empty[0]]}")
