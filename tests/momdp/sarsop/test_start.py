@@ -64,9 +64,7 @@ def test_a_start_for_other_rewards_is_valued_anew() -> None:
 
 def test_a_start_of_other_sizes_is_refused() -> None:
     policy = AlphaVectorPolicy(np.array([0, 1]), np.zeros((1, 3)), np.array([0]))
-    with pytest.raises(
-        ValueError, match="and 3 hidden states, expected one for 1 and 2"
-    ):
+    with pytest.raises(ValueError, match="and 3 hidden states, expected one for 1 and 2"):
         SARSOP().solve(tiger(), policy)
     with pytest.raises(ValueError, match="found action 3 in the policy, expected one of 0 to 2"):
         SARSOP().solve(tiger(), replace(policy, vectors=np.zeros((1, 2)), actions=np.array([3])))
