@@ -9,6 +9,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
+from coadapt.human import Adaptability, mode_transition
 from coadapt.human import filter as human_filter
 from tests.momdp.strategies import random_rows
 
@@ -61,6 +62,48 @@ def test_the_filter_sums_over_all_hidden_trajectories(
         belief = human_filter.predict(before, alpha, perceived[t], None if fixed else t_alpha)
     np.testing.assert_allclose(before, corrected / corrected.sum(), atol=1e-12)
     np.testing.assert_allclose(belief, forecast / forecast.sum(), atol=1e-12)
+
+
+@given(
+    st.integers(1, 3),
+    st.integers(1, 4),
+    st.booleans(),
+    st.booleans(),
+    st.sampled_from((0.0, 0.5)),
+    st.integers(0, 2**32),
+)
+def test_a_forecast_is_a_product_with_the_matrix(
+    levels: int, modes: int, by_goal: bool, fixed: bool, zeros: float, seed: int
+) -> None:
+    rng = np.random.default_rng(seed)
+    shape = (levels, modes) if by_goal else (levels,)
+    alpha = np.clip(rng.uniform(-0.3, 1.3, size=shape), 0, 1)
+    beliefs = random_rows(rng, (2, levels * modes), zeros).reshape(2, levels, modes)
+    perceived = random_rows(rng, (2, modes), zeros)
+    t_alpha = np.eye(levels) if fixed else random_rows(rng, (levels, levels), zeros)
+    expected = np.zeros_like(beliefs)
+    for n, i, j in product(range(2), range(levels), range(levels)):
+        moved = beliefs[n, i] @ mode_transition(alpha[i], perceived[n])
+        expected[n, j] += t_alpha[i, j] * moved
+    found = human_filter.predict(beliefs, alpha, perceived, None if fixed else t_alpha)
+    np.testing.assert_allclose(found, expected, atol=1e-15)
+    assert np.all(found >= 0)
+    np.testing.assert_allclose(found.sum(axis=(1, 2)), 1.0, atol=1e-14)
+    # One number for all goals or the same number for each.
+    if not by_goal:
+        each = np.repeat(alpha[:, None], modes, axis=1)
+        same = human_filter.predict(beliefs, each, perceived, None if fixed else t_alpha)
+        np.testing.assert_allclose(same, found, atol=1e-15)
+
+
+def test_adaptability_differs_by_goal() -> None:
+    # By hand: alpha 0.25 towards the right goal and 1 towards the left one, mode left for certain,
+    # the robot is seen in mode right with 0.8: the mode becomes right with 0.25 * 0.8.
+    alpha = Adaptability.over([[1.0, 0.25]])
+    belief = human_filter.predict(
+        np.array([[1.0, 0.0]]), alpha.rates(2), np.array([0.2, 0.8]), None
+    )
+    np.testing.assert_allclose(belief, [[0.8, 0.2]], atol=1e-15)
 
 
 @pytest.mark.parametrize("belief", [[[0.5, 0.5]], [[1.0, 0.0]]])

@@ -34,18 +34,24 @@ def predict(
     """Carry the belief through ``T_mh`` and ``T_alpha`` (the sums of Eq. 9).
 
     ``T_mh`` of Eq. 3-4 is, for each ``alpha``, the identity with weight ``1 - alpha`` plus a jump
-    to the perceived robot mode with weight ``alpha``, so the sum over ``m`` needs no matrix.
+    to the perceived robot mode with weight ``alpha``, so the sum over ``m`` needs no matrix. Where
+    ``alpha`` is ``[A, M]`` the jump to ``m'`` has weight ``alpha[m'] * perceived[m']``.
 
     Args:
         belief: ``[..., A, M]``.
-        alpha: ``[A]`` adaptability values.
+        alpha: adaptability, ``[A]``, or ``[A, M]`` by goal.
         perceived: ``[..., M]`` the person's distribution over robot modes, Eq. 2.
         transition: ``[A, A]`` ``T_alpha``, or None for the identity.
 
     Returns:
         ``[..., A, M]``.
     """
-    stay = (1.0 - alpha)[:, None] * belief
-    switch = alpha[:, None] * perceived[..., None, :]
-    moved = stay + switch * belief.sum(axis=-1, keepdims=True)
+    if alpha.ndim == 1:
+        stay = (1.0 - alpha)[:, None]
+        switch = alpha[:, None] * perceived[..., None, :]
+    else:
+        switch = alpha * perceived[..., None, :]
+        # Rounding must not make it negative where a switch is certain.
+        stay = np.maximum(1.0 - switch.sum(axis=-1, keepdims=True), 0.0)
+    moved = stay * belief + switch * belief.sum(axis=-1, keepdims=True)
     return moved if transition is None else np.einsum("ij,...im->...jm", transition, moved)
