@@ -13,7 +13,7 @@ from typing import TYPE_CHECKING
 if TYPE_CHECKING:
     from coadapt import robots, worlds
     from coadapt.formalism import SharedAutonomy
-    from coadapt.human import Adaptability
+    from coadapt.human import Adaptability, Inputs
     from coadapt.momdp import (
         MOMDP,
         AlphaVectorPolicy,
@@ -35,6 +35,7 @@ __all__ = [
     "Adaptability",
     "AlphaVectorPolicy",
     "Episode",
+    "Inputs",
     "MOMDPError",
     "MOMDPWarning",
     "Root",
@@ -62,6 +63,7 @@ _HOME = {
     "Adaptability": "coadapt.human",
     "AlphaVectorPolicy": "coadapt.momdp",
     "Episode": "coadapt.simulation",
+    "Inputs": "coadapt.human",
     "MOMDPError": "coadapt.momdp",
     "MOMDPWarning": "coadapt.momdp",
     "Root": "coadapt.momdp",

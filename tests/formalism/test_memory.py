@@ -82,7 +82,7 @@ def test_values_are_those_of_the_histories(model: SharedAutonomy, before: int, s
             break
         a = int(rng.integers(model.world.actions))
         steps.append((recall.state(steps), a))
-        belief, x = recall.after_action(belief, steps), int(model.windows.next[x, a])
+        belief, x = recall.after_action(belief, steps), int(model.windows.next[x, a, 0])
     found = best(problem, x, np.array(list(belief.values())), 2)
     assert found == pytest.approx(recall.best(belief, steps, 2), abs=1e-12)
 
@@ -108,7 +108,7 @@ def test_the_filter_is_that_of_the_histories(model: SharedAutonomy, seed: int) -
         expected = recall.after_action(expected, steps)
         found = model.predict(found, window, a)
         np.testing.assert_allclose(found.ravel(), list(expected.values()), atol=1e-12)
-        window = int(model.windows.next[window, a])
+        window = int(model.windows.next[window, a, 0])
 
 
 @given(models(memory=4))
@@ -132,7 +132,7 @@ def test_table_clearing_with_three_steps() -> None:
     assert "column 0 row 0, forward, left" in names
     # A first step to the left looks like the left goal; after it a step to the right, which brings
     # the robot back, looks like none.
-    left = int(model.windows.next[0, 0])
+    left = int(model.windows.next[0, 0, 0])
     assert model.perceived[0, 0, 0] > 0.9
     assert 0.4 < model.perceived[left, 2, 0] < 0.6
     one_step = replace(model, memory=1)
@@ -146,5 +146,5 @@ def test_longer_memories_contain_shorter_ones() -> None:
     a = b = 0
     for action in (0, 2, 1):
         np.testing.assert_allclose(one.perceived[a], other.perceived[b], atol=1e-12)
-        a, b = int(one.windows.next[a, action]), int(other.windows.next[b, action])
+        a, b = int(one.windows.next[a, action, 0]), int(other.windows.next[b, action, 0])
     assert np.abs(one.perceived[a] - other.perceived[b]).max() > 0.01

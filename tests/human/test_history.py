@@ -80,7 +80,9 @@ def test_windows_are_those_that_can_be_reached(task: Task, memory: int) -> None:
     for w, past in enumerate(found):
         for a in range(moves.shape[1]):
             goes_on = not ends[windows.state[w]]
-            assert found[windows.next[w, a]] == (slid(moves, past, a, memory) if goes_on else past)
+            assert found[windows.next[w, a, 0]] == (
+                slid(moves, past, a, memory) if goes_on else past
+            )
     # Only the start needs no past.
     expected = [found.index((x, ())) if x == start else NO_WINDOW for x in range(len(moves))]
     assert windows.beginning.tolist() == expected
@@ -94,7 +96,7 @@ def test_with_one_step_windows_are_states(task: Task) -> None:
     assert windows.actions.shape == (len(moves), 0)
     for states in (windows.first, windows.state, windows.beginning):
         assert states.tolist() == every.tolist()
-    assert windows.next.tolist() == np.where(ends[:, None], every[:, None], moves).tolist()
+    assert windows.next[:, :, 0].tolist() == np.where(ends[:, None], every[:, None], moves).tolist()
     assert count_windows(*task, 1) == len(moves)
 
 
@@ -141,7 +143,7 @@ def test_the_steps_are_the_last_k(task: Task, memory: int, seed: int) -> None:
         ]
         # Steps that were not yet taken stand between those of the window and the present one.
         assert [step for step in seen if step[1] != NO_ACTION] == taken[-memory:]
-        state, window = int(moves[state, a]), int(windows.next[window, a])
+        state, window = int(moves[state, a]), int(windows.next[window, a, 0])
         assert windows.state[window] == state
 
 
@@ -151,14 +153,14 @@ def test_where_a_step_begins() -> None:
     ends = np.array([False, False, False, True])
     windows = Windows.of(moves, 1, ends, 2)
     beginning = windows.locate(None, 1)
-    after_on = int(windows.next[beginning, 1])
-    assert windows.locate(after_on, 2) == after_on
+    after_on = int(windows.next[beginning, 1, 0])
+    assert windows.locate(np.array([after_on]), 2) == after_on
     # Back in the start without a way there: nothing is remembered.
-    assert windows.locate(after_on, 1) == beginning
+    assert windows.locate(np.array([after_on]), 1) == beginning
     with pytest.raises(ValueError, match="state 0 does not follow from the last action"):
-        windows.locate(after_on, 0)
+        windows.locate(np.array([after_on]), 0)
     # With one step no past is needed anywhere.
-    assert Windows.of(moves, 1, ends, 1).locate(2, 0) == 0
+    assert Windows.of(moves, 1, ends, 1).locate(np.array([2]), 0) == 0
 
 
 @pytest.mark.parametrize("memory", [-1, 0, history.LONGEST_MEMORY + 1])

@@ -35,7 +35,7 @@ def test_it_takes_a_shortest_path_to_the_best_goal(model: SharedAutonomy) -> Non
         ]
         assert robot.act(state, steps % world.actions) == nearer[0]
         state, steps = int(world.moves[state, nearer[0]]), steps + 1
-    assert (state, steps) == (world.goals[best].state, length)
+    assert (state, steps) == (world.goals[best].at, length)
 
 
 def test_a_discount_of_zero_changes_nothing() -> None:

@@ -68,7 +68,7 @@ def enumerate_trajectories(robot: Robot, partner: SimulatedPartner, longest: int
                 # Eq. 3-4 written out.
                 moves = partner.adaptability * float(perceived[mode_next])
                 moves += (1 - partner.adaptability) * (mode_next == mode)
-                later = int(windows.next[window, decision.action])
+                later = int(windows.next[window, decision.action, 0])
                 go(later, mode_next, decision.forecast, now * moves, step + 1)
 
     robot.reset()

@@ -25,9 +25,9 @@ def test_names_places_and_goals() -> None:
     assert SMALL.positions[5].tolist() == [2.0, 1.0]
     assert SMALL.directions.tolist() == [[-1, 0], [0, 1], [1, 0]]
     assert SMALL.start == 1
-    assert [(g.name, g.state, g.reward) for g in SMALL.goals] == [
-        ("left", 3, 1.0),
-        ("right", 5, 2.0),
+    assert [(g.name, g.states, g.reward) for g in SMALL.goals] == [
+        ("left", (3,), 1.0),
+        ("right", (5,), 2.0),
     ]
 
 

@@ -28,10 +28,10 @@ ROW = World(
 
 def steps_forward(world: World, start: int, goal: int) -> int:
     """Fewest moves from ``start`` to ``goal`` past no other goal, by widening a circle."""
-    others = set(world.goal_states) - {world.goals[goal].state}
+    others = set(world.goal_states) - {world.goals[goal].at}
     circle, seen, steps = {start}, {start}, 0
     while circle:
-        if world.goals[goal].state in circle:
+        if world.goals[goal].at in circle:
             return steps
         circle = {int(n) for s in circle if s not in others for n in world.moves[s]} - seen
         seen |= circle

@@ -61,7 +61,7 @@ def command(log: Path, out: Path | None, as_json: bool, skip_rest: bool, **given
         setup = _setup(recorded, given)
         target = log.with_name(f"{log.stem}.{setup.robot}.csv") if out is None else out
         _require_other(log, target)
-        for _ in reader.rows(setup.model().world.action_names):
+        for _ in reader.rows(setup.model().interface.names):
             pass
     # Another robot may be at the goal sooner than the recorded one; that is no fault of the log.
     skip_rest = skip_rest or recorded not in (None, setup)
@@ -75,7 +75,7 @@ def command(log: Path, out: Path | None, as_json: bool, skip_rest: bool, **given
             comparison = Comparison(robot)
             output = open_output(held, as_json, robot)
             output.begin(log, setup)
-            rows = reader.rows(robot.model.world.action_names)
+            rows = reader.rows(robot.model.interface.names)
             with whole_log(target, robot, setup) as saved:
                 try:
                     for trial in replay(robot, rows, log, skip_rest=skip_rest):

@@ -230,8 +230,8 @@ def _width(columns: Sequence[Column], gap: int) -> int:
 
 def _all_columns(robot: Robot) -> list[Column]:
     world, model = robot.model.world, robot.planning_model
-    names = world.action_names
-    widest = max(len(name) for name in (*names, "planned"))
+    names, inputs = world.action_names, robot.model.interface.names
+    widest = max(len(name) for name in (*names, *inputs, "planned"))
     columns = [
         Column("step", 4, lambda step, _: str(step)),
         Column(
@@ -240,7 +240,7 @@ def _all_columns(robot: Robot) -> list[Column]:
             lambda _, d: world.state_names[d.state],
         ),
         Column(
-            "input", widest, lambda _, d: "-" if d.human_input is None else names[d.human_input]
+            "input", widest, lambda _, d: "-" if d.human_input is None else inputs[d.human_input]
         ),
         Column("action", widest, lambda _, d: names[d.action]),
         Column("planned", widest, lambda _, d: names[d.planned]),

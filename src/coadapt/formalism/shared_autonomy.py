@@ -18,6 +18,7 @@ from coadapt.formalism.reward import reward
 from coadapt.human import filter as human_filter
 from coadapt.human.adaptation import Adaptability, require_distribution
 from coadapt.human.history import NO_ACTION, Windows
+from coadapt.human.inputs import Inputs
 from coadapt.human.modal import maximum_entropy_policy
 from coadapt.human.perceived import perceived_robot_mode
 from coadapt.momdp.model import MOMDP, Root
@@ -40,11 +41,16 @@ class SharedAutonomy:
             `Adaptability` with a prior and transition of its own.
         mode_prior: ``[M]`` belief over the person's first mode; uniform by default.
         disagreement_cost: ``C`` of Eq. 8, at most 0.
+        action_disagreement_cost: ``C_a``, at most 0: paid for the probability that the person wants
+            another action (`coadapt.formalism.reward`). The paper names it as future work.
         discount: gamma, in [0, 1). The paper does not state it.
-        step_cost: ``c`` of the maximum-entropy modal policies, in nats; not in the
-            paper.
+        step_cost: ``c`` of the maximum-entropy modal policies, in nats, or ``[X, A]`` costs of the
+            single moves; not in the paper.
         policies: ``[M, X, A]`` modal policies to use instead of the maximum-entropy ones, for
             both halves of the joint policy.
+        human_policies: ``[M, X, A]`` the human half where it is not the robot's: the robot actions
+            that a person in each mode wants.
+        inputs: what the person steers with; the robot's actions by default.
 
     Raises:
         ValueError: if a parameter is out of its range.
@@ -55,18 +61,35 @@ class SharedAutonomy:
     adaptability: Adaptability | Sequence[float] = PAPER_ADAPTABILITY
     mode_prior: Sequence[float] | None = None
     disagreement_cost: float = -0.32
+    action_disagreement_cost: float = 0.0
     discount: float = 0.99
-    step_cost: float = 3.0
+    step_cost: float | FloatArray = 3.0
     policies: FloatArray | None = None
+    human_policies: FloatArray | None = None
+    inputs: Inputs | None = None
 
     def __post_init__(self) -> None:
-        if not -np.inf < self.disagreement_cost <= 0:
-            raise ValueError(f"disagreement cost must be at most 0, not {self.disagreement_cost}")
+        for name, cost in (
+            ("disagreement cost", self.disagreement_cost),
+            ("action disagreement cost", self.action_disagreement_cost),
+        ):
+            if not -np.inf < cost <= 0:
+                raise ValueError(f"{name} must be at most 0, not {cost}")
         if not 0 <= self.discount < 1:
             raise ValueError(f"discount must lie in [0, 1), not {self.discount}")
-        if self.policies is not None:
-            shape = (len(self.world.goals), *self.world.moves.shape)
-            require_distribution("policies", self.policies, shape)
+        world = self.world
+        shape = (len(world.goals), world.states, world.actions)
+        for name, policies in (
+            ("policies", self.policies),
+            ("human policies", self.human_policies),
+        ):
+            if policies is not None:
+                require_distribution(name, policies, shape)
+        if self.inputs is not None and len(self.inputs.likelihood) != world.actions:
+            raise ValueError(
+                f"inputs for {len(self.inputs.likelihood)} actions, but the world has "
+                f"{world.actions}"
+            )
         # The derived pieces refuse bad values; compute the cheap ones now, so that errors surface
         # where the model is made.
         _ = self.alpha, self.prior, self.windows
@@ -85,25 +108,40 @@ class SharedAutonomy:
 
     @cached_property
     def modal_policies(self) -> FloatArray:
-        """``[M, X, A]``: each mode's policy, for the human and the robot half alike (Sec. 3.1)."""
+        """``[M, X, A]``: the robot half of each mode's policy (Sec. 3.1)."""
         if self.policies is not None:
             return self.policies
-        goals = self.world.goal_states
+        world = self.world
         return np.stack(
             [
                 maximum_entropy_policy(
-                    self.world.moves, goal, self.step_cost, [g for g in goals if g != goal]
+                    world.moves,
+                    goal.states,
+                    self.step_cost,
+                    [x for x in world.goal_states if x not in goal.states],
+                    world.chances,
                 )
-                for goal in goals
+                for goal in world.goals
             ]
         )
+
+    @property
+    def wishes(self) -> FloatArray:
+        """``[M, X, A]``: the human half: the robot action that a person in each mode wants."""
+        return self.modal_policies if self.human_policies is None else self.human_policies
+
+    @cached_property
+    def interface(self) -> Inputs:
+        """What the person steers with."""
+        if self.inputs is not None:
+            return self.inputs
+        return Inputs.actions(self.world.action_names, self.world.directions)
 
     @cached_property
     def windows(self) -> Windows:
         """What the person may remember: the observed states of the planning problem."""
         world = self.world
-        ends = np.isin(np.arange(world.states), world.goal_states)
-        return Windows.of(world.moves, world.start, ends, self.memory)
+        return Windows.of(world.moves, list(world.start_chances), world.ends, self.memory)
 
     @cached_property
     def perceived(self) -> FloatArray:
@@ -113,7 +151,14 @@ class SharedAutonomy:
     @cached_property
     def reward(self) -> FloatArray:
         """``[W, A, M]``: ``R(w, m_h, a_r)``, Eq. 6-8."""
-        return reward(self.world, self.windows.state, self.perceived, self.disagreement_cost)
+        return reward(
+            self.world,
+            self.windows.state,
+            self.perceived,
+            self.disagreement_cost,
+            self.wishes if self.action_disagreement_cost != 0 else None,
+            self.action_disagreement_cost,
+        )
 
     @cached_property
     def prior(self) -> FloatArray:
@@ -125,8 +170,11 @@ class SharedAutonomy:
 
     @cached_property
     def input_likelihood(self) -> FloatArray:
-        """``[X_r, A_h, M]``: ``O(a_h | m, x_r)`` of Sec. 5.1, by robot state."""
-        return np.ascontiguousarray(np.moveaxis(self.modal_policies, 0, -1))
+        """``[X_r, O, M]``: ``O(a_h | m, x_r)`` of Sec. 5.1, by robot state.
+
+        The last observation is that there is no input, if the interface has `Inputs.silence`.
+        """
+        return np.ascontiguousarray(np.moveaxis(self.interface.observed(self.wishes), 0, -1))
 
     def correct(
         self, belief: FloatArray, window: int | IntArray, human_input: int | IntArray
@@ -166,20 +214,28 @@ class SharedAutonomy:
         world, alpha, windows = self.world, self.alpha, self.windows
         actions = world.actions
         count, modes = self.prior.shape
-        ends = np.isin(windows.state, world.goal_states)
+        # One edge for each action and outcome.
+        chance = world.outcome_chances[windows.state]  # [W, A, N]
+        possible = (chance > 0) & ~world.ends[windows.state][:, None, None]
         targets, which = np.unique(self.perceived.reshape(-1, modes), axis=0, return_inverse=True)
-        going_on = np.repeat(~ends, actions)
-        inputs = np.moveaxis(self.input_likelihood, 2, 1)  # [X, M, A_h]
+        which = np.broadcast_to(which.reshape(len(windows), actions, 1), chance.shape)[possible]
+        jumps = JumpTransition(
+            rate=np.repeat(alpha.values[:, None], modes, axis=1),
+            target=targets,
+            mixing=None if alpha.is_fixed else alpha.transition,
+        )
+        transition = jumps
+        if not world.is_deterministic:
+            pairs: FloatArray = np.column_stack([which.astype(np.float64), chance[possible]])
+            parts, which = np.unique(pairs, axis=0, return_inverse=True)
+            transition = jumps.scaled(parts[:, 0].astype(np.int64), parts[:, 1])
+        observation = np.moveaxis(self.input_likelihood, 2, 1)  # [X, M, O]
         return MOMDP(
-            edge_start=np.concatenate(([0], np.cumsum(going_on))),
-            edge_next=windows.next.ravel()[going_on],
-            edge_map=which.ravel()[going_on],
-            transition=JumpTransition(
-                rate=np.repeat(alpha.values[:, None], modes, axis=1),
-                target=targets,
-                mixing=None if alpha.is_fixed else alpha.transition,
-            ),
-            observation=np.ascontiguousarray(np.tile(inputs, (1, count, 1))),
+            edge_start=np.concatenate(([0], np.cumsum(possible.sum(axis=2).ravel()))),
+            edge_next=windows.next[possible],
+            edge_map=which.ravel(),
+            transition=transition,
+            observation=np.ascontiguousarray(np.tile(observation, (1, count, 1))),
             observation_index=np.tile(windows.state, (actions, 1)),
             reward=np.tile(self.reward, (1, 1, count)),
             discount=self.discount,
@@ -189,26 +245,31 @@ class SharedAutonomy:
                 f"alpha={a:g} {mode}" for a in alpha.values for mode in self.mode_names
             ),
             action_names=world.action_names,
-            observation_names=world.action_names,
+            observation_names=self.interface.observation_names,
         )
 
     def _window_names(self) -> tuple[str, ...]:
-        """The first state of each window and the actions since."""
+        """The first state of each window and the actions since, with where chance led them."""
         world, windows = self.world, self.windows
         names: list[str] = [world.state_names[first] for first in map(int, windows.first)]
-        for i in range(self.memory - 1):
-            taken = map(int, windows.actions[:, i])
-            more = [f", {world.action_names[a]}" if a != NO_ACTION else "" for a in taken]
-            names = [name + added for name, added in zip(names, more, strict=True)]
+        state = windows.first
+        for taken, outcome in zip(windows.actions.T, windows.outcomes.T, strict=True):
+            is_step = taken != NO_ACTION
+            state = np.where(is_step, world.outcomes[state, taken, outcome], state)
+            for w in np.flatnonzero(is_step):
+                names[w] += f", {world.action_names[taken[w]]}"
+                if not world.is_deterministic:
+                    names[w] += f" to {world.state_names[state[w]]}"
         return tuple(names)
 
     def _roots(self) -> tuple[Root, ...]:
         roots: list[Root] = []
-        start = int(self.windows.beginning[self.world.start])
-        for human_input, name in enumerate(self.world.action_names):
-            likelihood = self.input_likelihood[self.world.start, human_input]
-            probability = float((self.prior * likelihood).sum())
-            if probability > 0:
-                belief = human_filter.correct(self.prior, likelihood).ravel()
-                roots.append(Root(start, belief, probability, name))
+        for start, chance in self.world.start_chances.items():
+            window = int(self.windows.beginning[start])
+            for i, name in enumerate(self.interface.observation_names):
+                likelihood = self.input_likelihood[start, i]
+                probability = chance * float((self.prior * likelihood).sum())
+                if probability > 0:
+                    belief = human_filter.correct(self.prior, likelihood).ravel()
+                    roots.append(Root(window, belief, probability, name))
         return tuple(roots)

@@ -1,11 +1,13 @@
 """What a person may intend, what they perceive, how they adapt."""
 
 from coadapt.human.adaptation import Adaptability, mode_transition
+from coadapt.human.inputs import Inputs
 from coadapt.human.modal import maximum_entropy_policy, soft_value
 from coadapt.human.perceived import perceived_robot_mode
 
 __all__ = [
     "Adaptability",
+    "Inputs",
     "maximum_entropy_policy",
     "mode_transition",
     "perceived_robot_mode",

@@ -129,6 +129,22 @@ class JumpTransition:
         """Map ``k`` as a dense ``[Y, Y]`` array."""
         return np.stack([self.forward(k, unit) for unit in np.eye(self.hidden)])
 
+    def scaled(self, which: IntArray, scale: FloatArray) -> SparseTransition:
+        """Parts of these maps as matrices: for successors that are reached by chance.
+
+        Args:
+            which: ``[K']`` the map each is a part of.
+            scale: ``[K']`` its share, in [0, 1].
+        """
+        size, (blocks, values) = self.hidden, self.rate.shape
+        jump = self.rate * self.target[which][:, None, :]  # [K', B, M']
+        stay = 1.0 - jump.sum(axis=2)
+        within = np.repeat(jump[:, :, None, :], values, axis=2)  # [K', B, M, M']
+        within += stay[:, :, None, None] * np.eye(values)
+        mixing = np.eye(blocks) if self.mixing is None else self.mixing
+        maps = np.einsum("k,bc,kbmn->kbmcn", scale, mixing, within)
+        return SparseTransition.from_dense(maps.reshape(len(which), size, size))
+
     def row_sums(self) -> FloatArray:
         """``[K, Y]`` the total probability of each row."""
         sums = np.ones((self.count, self.hidden))

@@ -169,7 +169,10 @@ class PlayApp(App[int]):
         if session.goal is not None:
             self.bell()  # the screen already says what to press
             return
-        names = session.robot.model.world.action_names
+        names = session.robot.model.interface.names
+        if name and name not in names:
+            self.bell()
+            return
         try:
             session.step(names.index(name) if name else None)
         except InputError as error:
@@ -262,19 +265,19 @@ def moves(session: Session) -> str:
     decision = session.last
     if decision is None:
         return "You       press ← ↑ →\nRobot     waits for you"
-    world = session.robot.model.world
-
-    def shown(action: int | None) -> str:
-        if action is None:
-            return "–  nothing"
-        return f"{arrow(world, action)}  {world.action_names[action]}"
-
+    model = session.robot.model
+    world, interface = model.world, model.interface
+    given = "–  nothing"
+    if decision.human_input is not None:
+        name = interface.names[decision.human_input]
+        given = f"{arrow(interface.directions[decision.human_input])}  {name}"
+    done = f"{arrow(world.directions[decision.action])}  {world.action_names[decision.action]}"
     note = ""
     if decision.matched:
         note = "   (does what you ask)"
-    elif decision.human_input not in (None, decision.action):
+    elif decision.asked not in (None, decision.action):
         note = "   (not what you ask)"
-    return f"You       {shown(decision.human_input)}\nRobot     {shown(decision.action)}{note}"
+    return f"You       {given}\nRobot     {done}{note}"
 
 
 def belief_bars(session: Session, with_agreement: bool) -> list[Bars]:

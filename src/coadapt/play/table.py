@@ -6,14 +6,25 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
+import numpy as np
 from rich.text import Text
 from textual.geometry import Size
 from textual.widget import Widget
 
+from coadapt.arrays import FloatArray
 from coadapt.robots import Decision
 from coadapt.worlds import World
 
-ARROWS = {(-1, 0): "←", (0, 1): "↑", (1, 0): "→", (0, -1): "↓"}
+ARROWS = {
+    (-1, 0): "←",
+    (0, 1): "↑",
+    (1, 0): "→",
+    (0, -1): "↓",
+    (-1, 1): "↖",
+    (1, 1): "↗",
+    (1, -1): "↘",
+    (-1, -1): "↙",
+}
 FREE, ROBOT, START, NECK, BOTTLE = "·", "●", "○", "╷", "█"
 
 SMALLEST_CELL = 2
@@ -21,9 +32,9 @@ LARGEST_CELL = 6
 """Characters across; so that the table keeps its shape."""
 
 
-def arrow(world: World, action: int) -> str:
-    """The direction of an action as a character."""
-    right, ahead = world.directions[action]
+def arrow(direction: FloatArray) -> str:
+    """The direction ``[2]`` of an action or input as a character."""
+    right, ahead = np.sign(direction.round(1))
     return ARROWS.get((int(right), int(ahead)), "•")
 
 
@@ -85,10 +96,13 @@ class TableView(Widget):
         room = self.size
         across = max(SMALLEST_CELL, min(LARGEST_CELL, room.width // columns))
         down = max(1, min((across + 1) // 2, (room.height - 2) // rows))
-        here, there = _cell(world, scene.state), {_cell(world, g.state): g for g in world.goals}
+        here, there = (
+            _cell(world, scene.state),
+            {_cell(world, state): g for g in world.goals for state in g.states},
+        )
         first_column, shown_columns = _window(here[0], columns, room.width // across)
         first_row, shown_rows = _window(here[1], rows, (room.height - 2) // down)
-        trail = {_cell(world, d.state): arrow(world, d.action) for d in scene.decisions}
+        trail = {_cell(world, d.state): arrow(world.directions[d.action]) for d in scene.decisions}
         start = _cell(world, world.start)
 
         text = Text("\n" * max(0, (room.height - 2 - shown_rows * down) // 2), no_wrap=True)

@@ -46,7 +46,7 @@ def goal_problem(
             likelihood = [likelihood[m] * policies[m, x, a] for m in range(goals)]
             x = int(world.moves[x, a])
         for a in range(actions):
-            moves[w, a, windows.next[w, a]] = 1.0
+            moves[w, a, windows.next[w, a, 0]] = 1.0
             weight = [likelihood[m] * policies[m, x, a] for m in range(goals)]
             total = sum(weight)
             for g in range(goals):

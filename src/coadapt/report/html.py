@@ -124,12 +124,12 @@ def inline_svg(document: str, name: str) -> Markup:
 
 def _sample(found: Reproduction, run: SampleRun) -> dict[str, object]:
     model, episode = found.settings.model, run.episode
-    world = model.world
+    world, inputs = model.world, model.interface.names
     alphas = [f"b(α={value:g})" for value in model.alpha.values]
     modes = [f"b({name})" for name in model.mode_names]
     rows: list[list[str]] = []
     for t, (d, mode) in enumerate(zip(episode.decisions, episode.modes, strict=True), start=1):
-        asked = "none" if d.human_input is None else world.action_names[d.human_input]
+        asked = "none" if d.human_input is None else inputs[d.human_input]
         beliefs = [*d.adaptability_belief, *d.mode_belief]
         rows.append(
             [
@@ -148,7 +148,7 @@ def _sample(found: Reproduction, run: SampleRun) -> dict[str, object]:
         "run": run,
         "figure": f"sample_user_{run.user}",
         "goal": "no goal" if episode.goal is None else f"the {world.goals[episode.goal].name} goal",
-        "inputs": ", ".join("none" if i is None else world.action_names[i] for i in episode.inputs),
+        "inputs": ", ".join("none" if i is None else inputs[i] for i in episode.inputs),
         "actions": ", ".join(world.action_names[a] for a in episode.actions),
         "likeliest": f"{model.alpha.values[int(last.argmax())]:g}",
         "likeliest_belief": float(last.max()),

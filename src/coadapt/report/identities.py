@@ -193,7 +193,7 @@ def always_optimal(key: str, description: str, model: SharedAutonomy, gap: float
         differing += int(differs.sum())
         ties += int((differs & (np.abs(loss) <= EQUAL_VALUE)).sum())
         largest_loss = max(largest_loss, float(loss.max(initial=0.0)))
-        arrived += visits.weight[reached == goal.state].sum(axis=(0, 2))
+        arrived += visits.weight[np.isin(reached, goal.states)].sum(axis=(0, 2))
     return Identity(
         key=key,
         robot=description,

@@ -140,7 +140,7 @@ def _layout(found: Reproduction) -> str:
     columns, rows = (len(np.unique(world.positions[:, axis])) for axis in (0, 1))
     grid = columns * rows == world.states
     places = f"{columns} columns × {rows} rows" if grid else f"{world.states} places"
-    goals = _listed([f"{goal.name}: {world.state_names[goal.state]}" for goal in world.goals])
+    goals = _listed([f"{goal.name}: {world.goal_place(g)}" for g, goal in enumerate(world.goals)])
     return f"{places}; start: {world.state_names[world.start]}; {goals}"
 
 

@@ -76,8 +76,8 @@ def as_object(found: Reproduction) -> dict[str, Any]:
         "runs": found.settings.runs,
         "seed": found.settings.seed,
         "goals": [
-            {"name": goal.name, "state": world.state_names[goal.state], "reward": goal.reward}
-            for goal in world.goals
+            {"name": goal.name, "state": world.goal_place(g), "reward": goal.reward}
+            for g, goal in enumerate(world.goals)
         ],
         "first_mode": world.goals[found.first_mode].name,
         "performance": _performance_object(found.robot("mutual_policy")),
@@ -156,7 +156,7 @@ def _robot_object(robot: RobotResult) -> dict[str, Any]:
 
 def _sample_object(found: Reproduction, run: SampleRun) -> dict[str, Any]:
     model, episode = found.settings.model, run.episode
-    world = model.world
+    world, inputs = model.world, model.interface.names
     return {
         "user": run.user,
         "adaptability": run.adaptability,
@@ -166,7 +166,7 @@ def _sample_object(found: Reproduction, run: SampleRun) -> dict[str, Any]:
         "reward": episode.reward,
         "disagreement": episode.disagreement,
         "states": [world.state_names[state] for state in episode.states],
-        "inputs": [None if i is None else world.action_names[i] for i in episode.inputs],
+        "inputs": [None if i is None else inputs[i] for i in episode.inputs],
         "actions": [world.action_names[a] for a in episode.actions],
         "matched": [d.matched for d in episode.decisions],
         "modes": [model.mode_names[mode] for mode in episode.modes],
@@ -216,7 +216,7 @@ def _conditions(found: Reproduction) -> Table:
 
 def _samples(found: Reproduction) -> Table:
     model = found.settings.model
-    world = model.world
+    world, inputs = model.world, model.interface.names
     columns = ("user", "adaptability", "step", "state", "mode", "input", "planned", "action")
     columns += ("matched", "agreement")
     columns += tuple(f"belief_alpha_{value:g}" for value in model.alpha.values)
@@ -226,7 +226,7 @@ def _samples(found: Reproduction) -> Table:
         episode = run.episode
         steps = zip_longest(episode.decisions, episode.modes)
         for t, (d, mode) in enumerate(steps, start=1):
-            asked = None if d.human_input is None else world.action_names[d.human_input]
+            asked = None if d.human_input is None else inputs[d.human_input]
             done = (world.action_names[d.planned], world.action_names[d.action], d.matched)
             rows.append(
                 (

@@ -22,7 +22,6 @@ def explain(robot: Robot, decision: Decision) -> str:
     """
     world = robot.model.world
     done = world.action_names[decision.action]
-    asked = None if decision.human_input is None else world.action_names[decision.human_input]
     if isinstance(robot, NoAdaptation):
         goal = world.goals[world.optimal_goal]
         return (
@@ -38,12 +37,15 @@ def explain(robot: Robot, decision: Decision) -> str:
             f"that you both head for the same goal{_enough(robot)}; {done} is worth {worth}."
         )
     reason = f"this {_aim(robot, decision)} and is worth {worth}"
-    if asked is None:
+    if decision.human_input is None:
         return f"The robot goes {done}, and you asked for nothing: {reason}."
-    if asked == done:
+    if decision.asked == decision.action:
         return f"The robot goes {done}, as you ask and as it planned: {reason}."
+    given = robot.model.interface.names[decision.human_input]
+    if decision.asked is None:
+        return f"The robot goes {done}, and your input, {given}, asks for no action: {reason}."
     return (
-        f"The robot goes {done} although you ask for {asked}: {reason}; "
+        f"The robot goes {done} although you ask for {given}: {reason}; "
         f"{_too_unsure(robot, decision)}."
     )
 

@@ -13,8 +13,9 @@ from coadapt.worlds.world import UNREACHABLE
 class NoAdaptation:
     """Follows a shortest path to the goal with the largest reward.
 
-    Where several actions begin a shortest path it takes the one with the lowest index. It learns
-    nothing: its belief stays what it was at the start of the episode.
+    Where moves are uncertain it does what brings it there soonest (`World.nearness`). Of several
+    actions alike in that it takes the one with the lowest index. It learns nothing: its belief
+    stays what it was at the start of the episode.
 
     Args:
         model: gives the world and its goals.
@@ -28,8 +29,8 @@ class NoAdaptation:
     def __init__(self, model: SharedAutonomy) -> None:
         self.model = model
         world = model.world
-        self._distance = world.distance(world.optimal_goal)
-        if self._distance[world.start] == UNREACHABLE:
+        self._nearness = world.nearness(world.optimal_goal)
+        if any(world.distance(world.optimal_goal)[list(world.start_chances)] == UNREACHABLE):
             goal = world.goals[world.optimal_goal].name
             raise ValueError(f"the optimal goal, {goal}, cannot be reached from the start")
         self.reset()
@@ -47,7 +48,7 @@ class NoAdaptation:
     def reset(self, belief: FloatArray | None = None, window: int | None = None) -> None:
         """Begin an episode."""
         self._belief = self.model.prior if belief is None else belief
-        self._window = window
+        self._expected = None if window is None else np.array([window])
 
     def act(self, state: int, human_input: int | None) -> int:
         """The next action of a shortest path from ``state``; the input is not looked at.
@@ -59,9 +60,9 @@ class NoAdaptation:
 
     def decide(self, state: int, human_input: int | None) -> Decision:
         """As `act`, with the whole decision."""
-        situation = one_situation(self.model, state, human_input, self._belief, self._window)
+        situation = one_situation(self.model, state, human_input, self._belief, self._expected)
         decision = self.decide_many(*situation)[0]
-        self._window = int(self.model.windows.next[decision.window, decision.action])
+        self._expected = self.model.windows.next[decision.window, decision.action]
         return decision
 
     def decide_many(
@@ -69,15 +70,14 @@ class NoAdaptation:
     ) -> Decisions:
         """Decide in many situations at once, see `Robot.decide_many`."""
         states = self.model.windows.state[windows]
-        steps = self._distance[self.model.world.moves[states]]
-        far = np.iinfo(np.int64).max
-        action = np.argmin(np.where(steps == UNREACHABLE, far, steps), axis=-1)
+        action = np.argmax(self._nearness[states], axis=-1)
         perceived = self.model.perceived[windows, action]
         agreement = (beliefs.sum(axis=-2) * perceived).sum(axis=-1)
         return Decisions(
             window=windows,
             state=states,
             human_input=human_inputs,
+            asked=self.model.interface.asked(human_inputs),
             action=action,
             planned=action,
             agreement=agreement,
@@ -89,7 +89,6 @@ class NoAdaptation:
     def action_values(self, decision: Decision) -> FloatArray:
         """``[A_r]`` discounted reward of the optimal goal after each action."""
         world = self.model.world
-        steps = self._distance[world.moves[decision.state]]
+        worth = world.nearness(world.optimal_goal, self.model.discount)[decision.state]
         reward = world.goals[world.optimal_goal].reward
-        value = reward * self.model.discount ** (steps.astype(np.float64) + 1)
-        return np.where(steps == UNREACHABLE, -np.inf, value)
+        return np.where(self._nearness[decision.state] == 0, -np.inf, reward * worth)

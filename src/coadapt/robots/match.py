@@ -29,14 +29,14 @@ class MatchRule:
         """
         return (mode_belief * perceived).sum(axis=-1)
 
-    def fires(self, agreement: FloatArray, human_input: IntArray) -> BoolArray:
+    def fires(self, agreement: FloatArray, asked: IntArray) -> BoolArray:
         """``[...]``: whether an input is executed instead of the planned action.
 
         Args:
             agreement: ``[...]``.
-            human_input: ``[...]`` the input, negative where there was none.
+            asked: ``[...]`` the action that the input asks for, negative where there was none.
         """
-        return (human_input >= 0) & (agreement >= self.threshold)
+        return (asked >= 0) & (agreement >= self.threshold)
 
 
 NEVER_MATCH = MatchRule(threshold=float("inf"))

@@ -55,7 +55,7 @@ class MutualAdaptation:
         """Begin an episode from ``belief`` ``[A, M]``, by default the model's prior."""
         start = self.model.prior if belief is None else belief
         self._belief = self._forecast = start
-        self._window = window
+        self._expected = None if window is None else np.array([window])
 
     def act(self, state: int, human_input: int | None) -> int:
         """The action to execute in ``state`` after ``human_input``.
@@ -67,10 +67,10 @@ class MutualAdaptation:
 
     def decide(self, state: int, human_input: int | None) -> Decision:
         """As `act`, with what led to it."""
-        situation = one_situation(self.model, state, human_input, self._forecast, self._window)
+        situation = one_situation(self.model, state, human_input, self._forecast, self._expected)
         decision = self.decide_many(*situation)[0]
         self._belief, self._forecast = decision.belief, decision.forecast
-        self._window = int(self.model.windows.next[decision.window, decision.action])
+        self._expected = self.model.windows.next[decision.window, decision.action]
         return decision
 
     def decide_many(
@@ -87,13 +87,15 @@ class MutualAdaptation:
         planned = self.policy.actions_at(windows, belief.reshape(len(windows), model.prior.size))
         perceived = model.perceived[windows, planned]
         agreement = self.match_rule.agreement(belief.sum(axis=-2), perceived)
-        matched = self.match_rule.fires(agreement, human_inputs)
-        action = np.where(matched, human_inputs, planned)
+        asked = model.interface.asked(human_inputs)
+        matched = self.match_rule.fires(agreement, asked)
+        action = np.where(matched, asked, planned)
         forecast = model.predict(belief, windows, action)
         return Decisions(
             window=windows,
             state=model.windows.state[windows],
             human_input=human_inputs,
+            asked=asked,
             action=action,
             planned=planned,
             agreement=agreement,

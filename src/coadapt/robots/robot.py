@@ -9,6 +9,7 @@ import numpy as np
 
 from coadapt.arrays import BoolArray, FloatArray, IntArray
 from coadapt.formalism import SharedAutonomy
+from coadapt.human.history import NO_ACTION
 
 NO_INPUT = -1
 """Stands for "no input" in arrays of inputs."""
@@ -22,6 +23,7 @@ class Decision:
         window: index in ``model.windows`` of what the person remembered when it was taken.
         state: robot state in which it was taken, the one in which the window ends.
         human_input: the person's input before it, or None.
+        asked: the robot action that the input asks for, or None.
         action: the action to execute.
         planned: the action of the policy, before the match rule.
         agreement: ``sum_m b(m) P(m_r = m | window, planned)``, the confidence that the modes of
@@ -34,6 +36,7 @@ class Decision:
     window: int
     state: int
     human_input: int | None
+    asked: int | None
     action: int
     planned: int
     agreement: float
@@ -56,12 +59,14 @@ class Decision:
 class Decisions:
     """Many decisions at once; each attribute is that of `Decision` with a leading axis ``[N]``.
 
-    ``human_input`` is `NO_INPUT` where there was none.
+    ``human_input`` is `NO_INPUT` where there was none, ``asked`` `NO_ACTION` where nothing was
+    asked for.
     """
 
     window: IntArray
     state: IntArray
     human_input: IntArray
+    asked: IntArray
     action: IntArray
     planned: IntArray
     agreement: FloatArray
@@ -73,11 +78,12 @@ class Decisions:
         return len(self.state)
 
     def __getitem__(self, i: int) -> Decision:
-        human_input = int(self.human_input[i])
+        human_input, asked = int(self.human_input[i]), int(self.asked[i])
         return Decision(
             window=int(self.window[i]),
             state=int(self.state[i]),
             human_input=None if human_input == NO_INPUT else human_input,
+            asked=None if asked == NO_ACTION else asked,
             action=int(self.action[i]),
             planned=int(self.planned[i]),
             agreement=float(self.agreement[i]),
@@ -166,10 +172,11 @@ def require_situation(model: SharedAutonomy, state: int, human_input: int | None
     world = model.world
     if not 0 <= state < world.states:
         raise ValueError(f"state {state} is not one of 0 to {world.states - 1}")
-    if state in world.goal_states:
+    if world.ends[state]:
         raise ValueError(f"the task has ended: {world.state_names[state]} is a goal")
-    if human_input is not None and not 0 <= human_input < world.actions:
-        raise ValueError(f"input {human_input} is not one of 0 to {world.actions - 1}")
+    inputs = len(model.interface)
+    if human_input is not None and not 0 <= human_input < inputs:
+        raise ValueError(f"input {human_input} is not one of 0 to {inputs - 1}")
 
 
 def one_situation(
@@ -177,13 +184,13 @@ def one_situation(
     state: int,
     human_input: int | None,
     belief: FloatArray,
-    expected: int | None,
+    expected: IntArray | None,
 ) -> tuple[IntArray, IntArray, FloatArray]:
     """The arguments of `Robot.decide_many` for one situation.
 
     Args:
         model, state, human_input, belief: as for `Robot.decide`.
-        expected: the window after the last action, or None before the first.
+        expected: the windows that the last action may have led to, or None before the first.
 
     Raises:
         ValueError: if no decision can be taken there.

@@ -12,7 +12,6 @@ from itertools import pairwise
 from typing import Literal, get_args
 
 import msgspec
-import numpy as np
 
 from coadapt.errors import InputError
 from coadapt.formalism import SharedAutonomy
@@ -144,8 +143,7 @@ class RobotSetup(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
             left_reward=self.left_reward,
             right_reward=self.right_reward,
         )
-        ends = np.isin(np.arange(world.states), world.goal_states)
-        windows = count_windows(world.moves, world.start, ends, self.memory)
+        windows = count_windows(world.moves, list(world.start_chances), world.ends, self.memory)
         few = f"so short that there are at most {MOST_WINDOWS:,} windows of steps"
         _require("memory", windows <= MOST_WINDOWS, few, f"{self.memory} ({windows:.3g} windows)")
         model = SharedAutonomy(

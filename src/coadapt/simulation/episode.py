@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -12,6 +13,14 @@ from coadapt.robots.robot import require_situation
 
 UNKNOWN_MODE = -1
 """Mode of a real person, who does not tell."""
+
+Outcome = Callable[[Decisions], IntArray]
+"""Says which of its outcomes each decided action has, ``[K]``, where moves are uncertain."""
+
+
+def only_outcome(decisions: Decisions) -> IntArray:
+    """The outcome of actions that have but one."""
+    return np.zeros(len(decisions), dtype=np.int64)
 
 
 @dataclass(frozen=True)
@@ -62,8 +71,8 @@ class Episode:
 
     @property
     def overridden(self) -> int:
-        """Number of steps in which the robot did something else than the person's input."""
-        return sum(d.human_input not in (None, d.action) for d in self.decisions)
+        """Number of steps in which the robot did something else than the input asked for."""
+        return sum(d.asked not in (None, d.action) for d in self.decisions)
 
 
 class Trials:
@@ -75,17 +84,25 @@ class Trials:
         n: number of trials.
         belief: ``[A, M]`` belief to begin with, for example carried over from the trial before;
             the robot's prior if None.
+        starts: ``[n]`` the first state of each; the world's ``start`` if None.
 
     Attributes:
         robot: the robot.
         window: ``[n]`` what the person remembers in each, indices in ``robot.model.windows``.
     """
 
-    def __init__(self, robot: Robot, n: int, belief: FloatArray | None = None) -> None:
+    def __init__(
+        self,
+        robot: Robot,
+        n: int,
+        belief: FloatArray | None = None,
+        starts: IntArray | None = None,
+    ) -> None:
         robot.reset(belief)
         self.robot = robot
         model = robot.model
-        self.window = np.full(n, model.windows.beginning[model.world.start])
+        begin = np.full(n, model.world.start) if starts is None else starts
+        self.window = model.windows.beginning[begin]
         self._belief = np.repeat(robot.belief[None], n, axis=0)
         self._decisions: list[list[Decision]] = [[] for _ in range(n)]
         self._modes: list[list[int]] = [[] for _ in range(n)]
@@ -98,15 +115,22 @@ class Trials:
     @property
     def running(self) -> IntArray:
         """The trials that have not reached a goal."""
-        return np.flatnonzero(~np.isin(self.state, self.robot.model.world.goal_states))
+        return np.flatnonzero(~self.robot.model.world.ends[self.state])
 
-    def step(self, trials: IntArray, human_inputs: IntArray, modes: IntArray) -> Decisions:
+    def step(
+        self,
+        trials: IntArray,
+        human_inputs: IntArray,
+        modes: IntArray,
+        outcome: Outcome = only_outcome,
+    ) -> Decisions:
         """One time step in some of the trials: the input, the decision, the move of the world.
 
         Args:
             trials: ``[K]`` which trials, all of them running.
             human_inputs: ``[K]`` the input in each, `NO_INPUT` where there was none.
             modes: ``[K]`` the partner's mode behind it, `UNKNOWN_MODE` where it is not known.
+            outcome: which outcomes the actions have.
         """
         decisions = self.robot.decide_many(self.window[trials], human_inputs, self._belief[trials])
         for k, i in enumerate(map(int, trials)):
@@ -114,7 +138,7 @@ class Trials:
             self._modes[i].append(int(modes[k]))
         self._belief[trials] = decisions.forecast
         following = self.robot.model.windows.next
-        self.window[trials] = following[self.window[trials], decisions.action]
+        self.window[trials] = following[decisions.window, decisions.action, outcome(decisions)]
         return decisions
 
     def episode(self, i: int) -> Episode:
@@ -144,10 +168,13 @@ class Trial:
 
     Args:
         robot, belief: as for `Trials`.
+        start: the first state; the world's ``start`` if None.
     """
 
-    def __init__(self, robot: Robot, belief: FloatArray | None = None) -> None:
-        self._trials = Trials(robot, 1, belief)
+    def __init__(
+        self, robot: Robot, belief: FloatArray | None = None, start: int | None = None
+    ) -> None:
+        self._trials = Trials(robot, 1, belief, None if start is None else np.array([start]))
         self.robot = robot
         self.steps = 0
 
@@ -159,21 +186,27 @@ class Trial:
     @property
     def done(self) -> bool:
         """Whether a goal is reached."""
-        return self.state in self.robot.model.world.goal_states
+        return bool(self.robot.model.world.ends[self.state])
 
-    def step(self, human_input: int | None, mode: int = UNKNOWN_MODE) -> Decision:
+    def step(
+        self,
+        human_input: int | None,
+        mode: int = UNKNOWN_MODE,
+        outcome: Outcome = only_outcome,
+    ) -> Decision:
         """One time step.
 
         Args:
             human_input: index of the input, or None.
             mode: the partner's mode behind it, where known, for the record.
+            outcome: which outcome the action has.
 
         Raises:
             ValueError: if the input is out of range or the trial is done.
         """
         require_situation(self.robot.model, self.state, human_input)
         given = NO_INPUT if human_input is None else human_input
-        decisions = self._trials.step(np.array([0]), np.array([given]), np.array([mode]))
+        decisions = self._trials.step(np.array([0]), np.array([given]), np.array([mode]), outcome)
         self.steps += 1
         return decisions[0]
 

@@ -16,7 +16,7 @@ import numpy as np
 
 from coadapt.arrays import FloatArray, IntArray
 from coadapt.human import filter as human_filter
-from coadapt.robots import Decisions, Robot
+from coadapt.robots import NO_INPUT, Decisions, Robot
 from coadapt.simulation.partner import SimulatedPartner
 
 SAME_BELIEF = 10
@@ -41,12 +41,12 @@ class Evaluation:
         reward: expected reward of the goal reached, the performance of Sec. 5.4. Episodes not
             followed to their end count with the middle of the goals' rewards.
         reward_error: how far the true expectation may lie from ``reward``, if all episodes end.
-        discounted_return: expected discounted sum of rewards and disagreement penalties.
+        discounted_return: expected discounted sum of rewards, penalties and costs of moves.
         goal_probability: ``[G]`` probability of ending at each goal.
         steps: expected number of robot actions.
         disagreement: expected number of steps in which the person sees the robot in another mode
             than their own.
-        overridden: expected number of steps in which the action differs from the input.
+        overridden: expected number of steps in which the action is not what the input asks for.
         unresolved: probability of the episodes not followed to their end; the numbers other than
             ``reward`` leave out what those still did.
         decisions: number of distinct decisions met.
@@ -123,10 +123,10 @@ def _evaluate(
     robot: Robot, partners: Sequence[SimulatedPartner], threshold: float, max_steps: int
 ) -> tuple[list[Evaluation], bool]:
     """The evaluations, and whether ``max_steps`` rather than the threshold ended the expansion."""
-    model, world, windows = robot.model, robot.model.world, robot.model.windows
-    count, goals = len(partners), np.array(world.goal_states)
+    model, world = robot.model, robot.model.world
+    count, goals = len(partners), len(world.goals)
     rewards = np.array([goal.reward for goal in world.goals])
-    goal_probability = np.zeros((count, len(goals)))
+    goal_probability = np.zeros((count, goals))
     steps, disagreement, overridden, discounted = np.zeros((4, count))
     decisions = last_step = 0
     for visits in expand(robot, *partners, threshold=threshold, max_steps=max_steps):
@@ -137,12 +137,14 @@ def _evaluate(
         decisions += len(taken)
         steps += mass.sum(axis=0)
         disagreement += seen
-        overridden += mass[taken.human_input != taken.action].sum(axis=0)
-        reached = windows.state[windows.next[taken.window, taken.action]]
-        arrives = reached[:, None] == goals  # [N, G]
-        arrived = np.einsum("np,ng->pg", mass, arrives)
+        overridden += mass[(taken.asked >= 0) & (taken.asked != taken.action)].sum(axis=0)
+        reached = world.goal_of[world.outcomes[taken.state, taken.action]]  # [N, outcomes]
+        chance = world.outcome_chances[taken.state, taken.action]
+        arrives = (reached[:, :, None] == np.arange(goals)) * chance[:, :, None]
+        arrived = np.einsum("np,nog->pg", mass, arrives)
         goal_probability += arrived
-        discounted += model.discount**visits.step * model.disagreement_cost * seen
+        paid = model.reward[taken.window, taken.action]  # [N, M], Eq. 6
+        discounted += model.discount**visits.step * np.einsum("npm,nm->p", visits.weight, paid)
         discounted += model.discount ** (visits.step + 1) * (arrived * rewards).sum(axis=1)
         last_step = visits.step
     unresolved = np.maximum(0.0, 1.0 - goal_probability.sum(axis=1))
@@ -183,12 +185,13 @@ def expand(
         The distinct decisions of each time step.
     """
     model, world, windows = robot.model, robot.model.world, robot.model.windows
+    starts, inputs = world.start_chances, len(model.interface)
     alpha = np.array([partner.adaptability for partner in partners])
-    ends = np.isin(windows.state, world.goal_states)
     robot.reset()
-    window = windows.beginning[[world.start]]
-    belief = robot.belief[None]
-    weight = np.stack([partner.mode_distribution(model) for partner in partners])[None]
+    window = windows.beginning[list(starts)]
+    belief = np.repeat(robot.belief[None], len(starts), axis=0)
+    modes = np.stack([partner.mode_distribution(model) for partner in partners])
+    weight = np.array(list(starts.values()))[:, None, None] * modes
     for step in range(max_steps):
         likely = weight.sum(axis=2).max(axis=1) >= threshold
         if not likely.any():
@@ -197,16 +200,20 @@ def expand(
         # Each situation with each input.
         likelihood = model.input_likelihood[windows.state[window]]  # [N, A_h, M]
         seen = weight[:, None] * likelihood[:, :, None]  # [N, A_h, P, M]
-        where, human_input = np.nonzero(seen.any(axis=(2, 3)))
+        where, observed = np.nonzero(seen.any(axis=(2, 3)))
+        human_input = np.where(observed < inputs, observed, NO_INPUT)
         decisions = robot.decide_many(window[where], human_input, belief[where])
-        seen = seen[where, human_input]
+        seen = seen[where, observed]
         yield Visits(step, decisions, seen)
-        reached = windows.next[decisions.window, decisions.action]
         perceived = model.perceived[decisions.window, decisions.action]
         # The partners' modes move as a belief over them would, Eq. 3-4.
         moved = human_filter.predict(seen, alpha, perceived, None)
-        on = ~ends[reached]
-        window, belief, weight = _merge(reached[on], decisions.forecast[on], moved[on])
+        chance = world.outcome_chances[decisions.state, decisions.action]
+        which, outcome = np.nonzero(chance > 0)
+        reached = windows.next[decisions.window, decisions.action][which, outcome]
+        moved = moved[which] * chance[which, outcome][:, None, None]
+        on = ~world.ends[windows.state[reached]]
+        window, belief, weight = _merge(reached[on], decisions.forecast[which[on]], moved[on])
 
 
 def _merge(

@@ -81,7 +81,7 @@ class DecisionCells:
     def __init__(self, robot: Robot) -> None:
         world, model = robot.model.world, robot.planning_model
         self._states = world.state_names
-        self._actions = world.action_names
+        self._inputs, self._actions = model.interface.names, world.action_names
         self._beliefs = tuple(
             f"{BELIEF_PREFIX}alpha={number(float(alpha))} {mode}]"
             for alpha in model.alpha.values
@@ -92,7 +92,7 @@ class DecisionCells:
     def input(self, decision: Decision) -> str | None:
         """The name of the input before ``decision``, or None for no input."""
         given = decision.human_input
-        return None if given is None else self._actions[given]
+        return None if given is None else self._inputs[given]
 
     def values(self, decision: Decision) -> dict[str, Value]:
         """The cells of ``decision``."""

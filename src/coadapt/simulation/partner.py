@@ -71,9 +71,12 @@ class SimulatedPartner:
         """The given mode, or a draw from the model's prior."""
         return draw(self.mode_distribution(model), rng)
 
-    def act(self, model: SharedAutonomy, state: int, mode: int, rng: np.random.Generator) -> int:
-        """An input drawn from the human half of the modal policy."""
-        return draw(model.modal_policies[mode, state], rng)
+    def act(
+        self, model: SharedAutonomy, state: int, mode: int, rng: np.random.Generator
+    ) -> int | None:
+        """An input, or None, drawn for the human half of the modal policy."""
+        drawn = draw(model.input_likelihood[state, :, mode], rng)
+        return drawn if drawn < len(model.interface) else None
 
     def next_mode(
         self, model: SharedAutonomy, window: int, mode: int, action: int, rng: np.random.Generator

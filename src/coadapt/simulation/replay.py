@@ -78,7 +78,7 @@ def replay(
         InputAfterGoal: at an input after the goal, unless ``skip_rest``.
     """
     world = robot.model.world
-    index = {name: i for i, name in enumerate(world.action_names)}
+    index = {name: i for i, name in enumerate(robot.model.interface.names)}
     for number, group in groupby(rows, key=lambda row: row.trial):
         trial = Trial(robot)
         used: list[LogRow] = []

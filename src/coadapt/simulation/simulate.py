@@ -4,13 +4,16 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from concurrent.futures import Executor, ProcessPoolExecutor
+from functools import partial
 from multiprocessing import get_context
 
 import numpy as np
 
-from coadapt.robots import NO_INPUT, Robot
-from coadapt.simulation.episode import Episode, Trials
-from coadapt.simulation.partner import Partner
+from coadapt.arrays import IntArray
+from coadapt.robots import NO_INPUT, Decisions, Robot
+from coadapt.simulation.episode import Episode, Trials, only_outcome
+from coadapt.simulation.partner import Partner, draw
+from coadapt.worlds import World
 
 MAX_STEPS = 1000
 """An episode that reaches no goal ends here."""
@@ -58,8 +61,9 @@ def simulate(
 def _run(
     robot: Robot, partner: Partner, generators: Sequence[np.random.Generator], max_steps: int
 ) -> list[Episode]:
-    model = robot.model
-    trials = Trials(robot, len(generators))
+    model, world = robot.model, robot.model.world
+    starts = np.array([_draw_start(world, rng) for rng in generators], dtype=np.int64)
+    trials = Trials(robot, len(generators), starts=starts)
     modes = np.array([partner.first_mode(model, rng) for rng in generators], dtype=np.int64)
     for _ in range(max_steps):
         running = trials.running
@@ -72,12 +76,30 @@ def _run(
                 for i, x in zip(map(int, running), map(int, states), strict=True)
             ]
         )
-        actions = trials.step(running, inputs, modes[running]).action
+        outcome = only_outcome
+        if not world.is_deterministic:
+            outcome = partial(_draw_outcomes, world, [generators[i] for i in running])
+        actions = trials.step(running, inputs, modes[running], outcome).action
         modes[running] = [
             partner.next_mode(model, w, int(modes[i]), a, generators[i])
             for i, w, a in zip(map(int, running), map(int, windows), map(int, actions), strict=True)
         ]
     return [trials.episode(i) for i in range(len(generators))]
+
+
+def _draw_start(world: World, rng: np.random.Generator) -> int:
+    """The first state of an episode; nothing is drawn where there is but one."""
+    starts = world.start_chances
+    if len(starts) == 1:
+        return world.start
+    return list(starts)[draw(np.array(list(starts.values())), rng)]
+
+
+def _draw_outcomes(
+    world: World, generators: Sequence[np.random.Generator], decisions: Decisions
+) -> IntArray:
+    chances = world.outcome_chances[decisions.state, decisions.action]
+    return np.array([draw(row, rng) for row, rng in zip(chances, generators, strict=True)])
 
 
 def _as_number(human_input: int | None) -> int:

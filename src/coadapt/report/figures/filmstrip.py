@@ -141,13 +141,21 @@ def _draw_table(
     axes.add_patch(surface)
     axes.plot(place[:, 0], place[:, 1], ".", markersize=1.3, color=LINE, markeredgewidth=0)
     for g, goal in enumerate(world.goals):
-        _bottle(axes, place[goal.state], INK if g == world.optimal_goal else SURFACE)
+        for state in goal.states:
+            _bottle(axes, place[state], INK if g == world.optimal_goal else SURFACE)
     past = place[list(states)]
     axes.plot(past[:, 0], past[:, 1], "-", color=PATH, linewidth=0.9, zorder=4)
     axes.plot(past[:-1, 0], past[:-1, 1], "o", color=PATH, markersize=2.4, markeredgewidth=0)
     axes.plot(*past[-1], "o", color=PATH, markersize=5.2, markeredgewidth=0, zorder=6)
     if decision.human_input is not None:
-        _arrow(axes, past[-1], world.directions[decision.human_input], HUMAN, PAPER, +ARROWS_APART)
+        _arrow(
+            axes,
+            past[-1],
+            model.interface.directions[decision.human_input],
+            HUMAN,
+            PAPER,
+            +ARROWS_APART,
+        )
     _arrow(axes, past[-1], world.directions[decision.action], ROBOT, ROBOT, -ARROWS_APART)
 
 
