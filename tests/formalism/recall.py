@@ -15,8 +15,20 @@ Belief = dict[tuple[int, int], float]
 
 
 @dataclass(frozen=True)
+class Past:
+    """All that happened: the steps, oldest first, and where the robot is now."""
+
+    steps: tuple[Step, ...]
+    state: int
+
+    def then(self, action: int, state: int) -> Past:
+        """After one step more."""
+        return Past((*self.steps, (self.state, action)), state)
+
+
+@dataclass(frozen=True)
 class Recall:
-    """The equations of the paper as functions of the steps so far, oldest first."""
+    """The equations of the paper as functions of the past."""
 
     model: SharedAutonomy
 
@@ -33,41 +45,73 @@ class Recall:
     def actions(self) -> range:
         return range(self.model.world.actions)
 
-    def state(self, steps: list[Step]) -> int:
-        if not steps:
-            return self.model.world.start
-        return int(self.model.world.moves[steps[-1]])
+    @property
+    def observations(self) -> range:
+        """The inputs, and none at all if that may be."""
+        model = self.model
+        silence = 0.0 if model.inputs is None else model.inputs.silence
+        count = model.world.actions if model.inputs is None else len(model.inputs.names)
+        return range(count + (silence > 0))
 
-    def done(self, steps: list[Step]) -> bool:
-        return self.state(steps) in self.model.world.goal_states
+    def goal(self, past: Past) -> int | None:
+        """The goal that the robot is in."""
+        for g, goal in enumerate(self.model.world.goals):
+            if past.state in goal.states:
+                return g
+        return None
 
-    def seen(self, steps: list[Step]) -> list[float]:
-        """Eq. 1-2: ``P(m_r | x^{t-k+1}, a^{t-k+1}, ..., x^t, a^t)``, ``steps`` ending at t."""
+    def moves(self, state: int, action: int) -> dict[int, float]:
+        """T_x: where the action may lead, and how probably."""
+        world = self.model.world
+        if world.chances is None:
+            return {int(world.moves[state, action]): 1.0}
+        outcomes = zip(world.moves[state, action], world.chances[state, action], strict=True)
+        return {int(x): float(p) for x, p in outcomes if p > 0}
+
+    def seen(self, past: Past, action: int) -> list[float]:
+        """Eq. 1-2: ``P(m_r | x^{t-k+1}, a^{t-k+1}, ..., x^t, a^t)`` with ``action`` at t."""
         weight = [1.0 for _ in self.modes]
-        for x, a in steps[-self.model.memory :]:
+        for x, a in (*past.steps, (past.state, action))[-self.model.memory :]:
             weight = [w * self.model.modal_policies[m, x, a] for m, w in enumerate(weight)]
         total = sum(weight)
         return [w / total if total > 0 else 1 / len(weight) for w in weight]
 
-    def reward(self, steps: list[Step], action: int, mode: int) -> float:
-        """Eq. 6-8."""
-        world, x = self.model.world, self.state(steps)
-        if x in world.goal_states:
-            return world.goals[world.goal_states.index(x)].reward
-        seen = self.seen([*steps, (x, action)])
-        return sum(self.model.disagreement_cost * seen[m_r] for m_r in self.modes if m_r != mode)
+    def wish(self, state: int, mode: int, action: int) -> float:
+        """The human half of the modal policy."""
+        given = self.model.human_policies
+        return float((self.model.modal_policies if given is None else given)[mode, state, action])
 
-    def mode_moves(self, steps: list[Step], i: int, mode: int, mode_next: int) -> float:
-        """Eq. 3-4 after the last of ``steps``, for the adaptability with index ``i``."""
-        alpha = float(self.alpha.values[i])
+    def reward(self, past: Past, action: int, mode: int) -> float:
+        """Eq. 6-8, the cost of the move, and the penalty for another action than wanted."""
+        model, world, goal = self.model, self.model.world, self.goal(past)
+        if goal is not None:
+            return world.goals[goal].reward
+        seen = self.seen(past, action)
+        total = sum(model.disagreement_cost * seen[m_r] for m_r in self.modes if m_r != mode)
+        wanted = sum(self.wish(past.state, mode, a) for a in self.actions if a != action)
+        total += model.action_disagreement_cost * wanted
+        return total - (0.0 if world.costs is None else float(world.costs[past.state, action]))
+
+    def mode_moves(self, past: Past, action: int, i: int, mode: int, mode_next: int) -> float:
+        """Eq. 3-4 after ``action``, for the adaptability with index ``i``."""
+        alpha = self.alpha.rates(len(self.modes))[i]
         return sum(
-            chance * (alpha * (mode_next == m_r) + (1 - alpha) * (mode_next == mode))
-            for m_r, chance in enumerate(self.seen(steps))
+            chance * (alpha[m_r] * (mode_next == m_r) + (1 - alpha[m_r]) * (mode_next == mode))
+            for m_r, chance in enumerate(self.seen(past, action))
         )
 
-    def input_chance(self, steps: list[Step], mode: int, human_input: int) -> float:
-        """``O(a_h | m, x)`` in the state to which ``steps`` led."""
-        return float(self.model.modal_policies[mode, self.state(steps), human_input])
+    def input_chance(self, state: int, mode: int, observation: int) -> float:
+        """``O(a_h | m, x)``; the observation after the inputs is that there was none."""
+        inputs = self.model.inputs
+        if inputs is None:
+            return self.wish(state, mode, observation)
+        if observation == len(inputs.names):
+            return inputs.silence
+        wished = sum(
+            self.wish(state, mode, a) * float(inputs.likelihood[a, observation])
+            for a in self.actions
+        )
+        return (1 - inputs.silence) * wished
 
     def prior(self) -> Belief:
         assert self.model.mode_prior is not None
@@ -77,34 +121,40 @@ class Recall:
             for m, q in enumerate(self.model.mode_prior)
         }
 
-    def after_input(self, belief: Belief, steps: list[Step], human_input: int) -> Belief:
+    def after_input(self, belief: Belief, state: int, observation: int) -> Belief:
         """Not normalised."""
         return {
-            (i, m): p * self.input_chance(steps, m, human_input) for (i, m), p in belief.items()
+            (i, m): p * self.input_chance(state, m, observation) for (i, m), p in belief.items()
         }
 
-    def after_action(self, belief: Belief, steps: list[Step]) -> Belief:
-        """Carried through T_mh and T_alpha by the last of ``steps``."""
+    def after_action(self, belief: Belief, past: Past, action: int) -> Belief:
+        """Carried through T_mh and T_alpha."""
         moved = dict.fromkeys(belief, 0.0)
         for (i, m), p in belief.items():
             for j, m_next in moved:
                 share = float(self.alpha.transition[i, j])
-                moved[j, m_next] += p * share * self.mode_moves(steps, i, m, m_next)
+                moved[j, m_next] += p * share * self.mode_moves(past, action, i, m, m_next)
         return moved
 
-    def best(self, belief: Belief, steps: list[Step], horizon: int) -> float:
+    def best(self, belief: Belief, past: Past, horizon: int) -> float:
         """The largest expected discounted reward of ``horizon`` actions, ``belief`` its weight."""
         if horizon == 0:
             return 0.0
         values: list[float] = []
         for a in self.actions:
-            value = sum(p * self.reward(steps, a, m) for (_, m), p in belief.items())
-            if not self.done(steps):
-                later = [*steps, (self.state(steps), a)]
-                forecast = self.after_action(belief, later)
-                value += self.model.discount * sum(
-                    self.best(self.after_input(forecast, later, o), later, horizon - 1)
-                    for o in self.actions
-                )
+            value = sum(p * self.reward(past, a, m) for (_, m), p in belief.items())
+            if self.goal(past) is None:
+                forecast = self.after_action(belief, past, a)
+                for x, chance in self.moves(past.state, a).items():
+                    value += (
+                        self.model.discount
+                        * chance
+                        * sum(
+                            self.best(
+                                self.after_input(forecast, x, o), past.then(a, x), horizon - 1
+                            )
+                            for o in self.observations
+                        )
+                    )
             values.append(value)
         return max(values)

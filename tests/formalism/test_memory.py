@@ -13,12 +13,12 @@ import coadapt as ca
 from coadapt import MOMDP, SharedAutonomy
 from coadapt.arrays import FloatArray
 from coadapt.momdp.check import MOMDPWarning, check_momdp
-from tests.formalism.recall import Recall, Step
+from tests.formalism.recall import Past, Recall
 from tests.formalism.strategies import models
 from tests.momdp.problems import joint, observations
 
 
-@given(models(memory=4), st.integers(0, 2**32))
+@given(models(memory=4, general=True), st.integers(0, 2**32))
 def test_along_random_actions_the_problem_is_that_of_the_histories(
     model: SharedAutonomy, seed: int
 ) -> None:
@@ -26,31 +26,36 @@ def test_along_random_actions_the_problem_is_that_of_the_histories(
     moves, sees = joint(problem), observations(problem)
     hidden = list(recall.prior())
     rng = np.random.default_rng(seed)
-    steps: list[Step] = []
     x = problem.roots[0].x
+    past = Past((), int(model.windows.state[x]))
     while True:
         for a in recall.actions:
             found = [problem.reward[x, a, y] for y in range(len(hidden))]
-            expected = [recall.reward(steps, a, m) for _, m in hidden]
+            expected = [recall.reward(past, a, m) for _, m in hidden]
             np.testing.assert_allclose(found, expected, atol=1e-12)
-        if recall.done(steps):
+        if recall.goal(past) is not None:
             assert not moves[x].any()
             return
-        if len(steps) == 8:
+        if len(past.steps) == 8:
             return
         a = int(rng.integers(model.world.actions))
-        steps.append((recall.state(steps), a))
-        # Only one observed state follows, the one whose human inputs are those of x'.
-        (following,) = np.flatnonzero(moves[x, a].any(axis=(0, 2)))
-        for y, (i, m) in enumerate(hidden):
-            for v, (j, m_next) in enumerate(hidden):
-                share = float(recall.alpha.transition[i, j])
-                expected = share * recall.mode_moves(steps, i, m, m_next)
-                assert moves[x, a, y, following, v] == pytest.approx(expected, abs=1e-12)
-        for v, (_, m) in enumerate(hidden):
-            expected = [recall.input_chance(steps, m, o) for o in recall.actions]
-            np.testing.assert_allclose(sees[a, following, v], expected, atol=1e-12)
-        x = int(following)
+        outcomes = recall.moves(past.state, a)
+        # One observed state follows for each outcome, the one that ends in its robot state.
+        following = np.flatnonzero(moves[x, a].any(axis=(0, 2)))
+        reached = {int(model.windows.state[w]): int(w) for w in following}
+        assert len(reached) == len(following)
+        assert reached.keys() == outcomes.keys()
+        for state, chance in outcomes.items():
+            for y, (i, m) in enumerate(hidden):
+                for v, (j, m_next) in enumerate(hidden):
+                    share = chance * float(recall.alpha.transition[i, j])
+                    expected = share * recall.mode_moves(past, a, i, m, m_next)
+                    assert moves[x, a, y, reached[state], v] == pytest.approx(expected, abs=1e-12)
+            for v, (_, m) in enumerate(hidden):
+                expected = [recall.input_chance(state, m, o) for o in recall.observations]
+                np.testing.assert_allclose(sees[a, reached[state], v], expected, atol=1e-12)
+        state = int(rng.choice(list(outcomes)))
+        past, x = past.then(a, state), reached[state]
 
 
 def best(problem: MOMDP, x: int, mass: FloatArray, horizon: int) -> float:
@@ -69,49 +74,75 @@ def best(problem: MOMDP, x: int, mass: FloatArray, horizon: int) -> float:
     return float(values.max())
 
 
-@given(models(memory=4, goals=2), st.integers(0, 4), st.integers(0, 2**32))
+def one_step(
+    model: SharedAutonomy, recall: Recall, past: Past, window: int, rng: np.random.Generator
+) -> tuple[int, Past, int]:
+    """A random action, the past and the window after it."""
+    a = int(rng.integers(model.world.actions))
+    state = int(rng.choice(list(recall.moves(past.state, a))))
+    return a, past.then(a, state), model.windows.locate(model.windows.next[window, a], state)
+
+
+@given(models(memory=4, goals=2, general=True), st.integers(0, 4), st.integers(0, 2**32))
 @settings(max_examples=25)
 def test_values_are_those_of_the_histories(model: SharedAutonomy, before: int, seed: int) -> None:
     problem, recall = model.to_momdp(), Recall(model)
     rng = np.random.default_rng(seed)
-    steps: list[Step] = []
     belief, x = recall.prior(), problem.roots[0].x
+    past = Past((), int(model.windows.state[x]))
     # Some steps without input first, so that windows slide.
     for _ in range(before):
-        if recall.done(steps):
+        if recall.goal(past) is not None:
             break
-        a = int(rng.integers(model.world.actions))
-        steps.append((recall.state(steps), a))
-        belief, x = recall.after_action(belief, steps), int(model.windows.next[x, a, 0])
+        a, later, x = one_step(model, recall, past, x, rng)
+        belief, past = recall.after_action(belief, past, a), later
     found = best(problem, x, np.array(list(belief.values())), 2)
-    assert found == pytest.approx(recall.best(belief, steps, 2), abs=1e-12)
+    assert found == pytest.approx(recall.best(belief, past, 2), abs=1e-12)
 
 
-@given(models(memory=4), st.integers(0, 2**32))
+@given(models(memory=4, general=True), st.integers(0, 2**32))
 def test_the_filter_is_that_of_the_histories(model: SharedAutonomy, seed: int) -> None:
     recall, rng = Recall(model), np.random.default_rng(seed)
-    window = int(model.windows.beginning[model.world.start])
-    steps: list[Step] = []
+    past = Past((), model.world.start)
+    window = int(model.windows.beginning[past.state])
     expected, found = recall.prior(), model.prior
     for _ in range(8):
-        if recall.done(steps):
+        if recall.goal(past) is not None:
             return
-        human_input, a = (int(rng.integers(model.world.actions)) for _ in range(2))
-        mass = recall.after_input(expected, steps, human_input)
+        human_input = int(rng.integers(len(model.interface)))
+        mass = recall.after_input(expected, past.state, human_input)
         total = sum(mass.values())
         if total == 0:
             return
         expected = {y: p / total for y, p in mass.items()}
         found = model.correct(found, window, human_input)
         np.testing.assert_allclose(found.ravel(), list(expected.values()), atol=1e-12)
-        steps.append((recall.state(steps), a))
-        expected = recall.after_action(expected, steps)
-        found = model.predict(found, window, a)
+        before = window
+        a, later, window = one_step(model, recall, past, window, rng)
+        expected, past = recall.after_action(expected, past, a), later
+        found = model.predict(found, before, a)
         np.testing.assert_allclose(found.ravel(), list(expected.values()), atol=1e-12)
-        window = int(model.windows.next[window, a, 0])
 
 
-@given(models(memory=4))
+@given(models(general=True))
+def test_the_roots_are_those_of_every_start_and_first_observation(model: SharedAutonomy) -> None:
+    recall, found = Recall(model), list(model.to_momdp().roots)
+    for start, chance in model.world.start_chances.items():
+        for o in recall.observations:
+            mass = recall.after_input(recall.prior(), start, o)
+            total = sum(mass.values())
+            if total == 0:
+                continue
+            root = found.pop(0)
+            assert model.windows.state[root.x] == start
+            assert root.label == model.interface.observation_names[o]
+            assert root.probability == pytest.approx(chance * total, abs=1e-12)
+            expected = [p / total for p in mass.values()]
+            np.testing.assert_allclose(root.belief, expected, atol=1e-12)
+    assert not found
+
+
+@given(models(memory=4, general=True))
 @pytest.mark.filterwarnings(f"ignore::{MOMDPWarning.__module__}.{MOMDPWarning.__name__}")
 def test_compiled_problems_pass_the_check(model: SharedAutonomy) -> None:
     problem = model.to_momdp()

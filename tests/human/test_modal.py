@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 from coadapt.arrays import FloatArray, IntArray
 from coadapt.human import maximum_entropy_policy, soft_value
 from coadapt.worlds import grid
+from tests.worlds.strategies import random_outcomes
 
 UNSEEN = -1
 
@@ -229,3 +230,64 @@ def test_steps_may_be_free_where_paths_cannot_go_round(cost: float) -> None:
         soft_value(moves, 2, cost)
     found = soft_value(moves, 2, cost, [4])
     assert found.tolist() == [-2 * cost, -cost, 0.0, -np.inf, -np.inf]
+
+
+@given(graphs(), st.integers(0, 2**32))
+def test_uncertain_moves_and_costs_of_their_own(
+    graph: tuple[IntArray, int, list[int]], seed: int
+) -> None:
+    # Ziebart et al. 2008, Eq. 4: Z(s) = sum_a exp(-c(s, a)) sum_s' P(s' | s, a) Z(s'), solved as
+    # linear equations; the policy is the part of each action.
+    _, goal, others = graph
+    states, rng = len(graph[0]), np.random.default_rng(seed)
+    moves, chances = random_outcomes(rng, states, 3)
+    costs = rng.uniform(1.2, 4.0, size=(states, 3))
+    policy = maximum_entropy_policy(moves, goal, costs, others, chances)
+    system, ends = np.eye(states), [goal, *others]
+    factor = np.exp(-costs)[:, :, None] * chances
+    for s in range(states):
+        for a, n in np.ndindex(moves.shape[1:]):
+            if s not in ends:
+                system[s, moves[s, a, n]] -= factor[s, a, n]
+    z = np.linalg.solve(system, np.eye(states)[goal])
+    for s in range(states):
+        if s in ends or z[s] < 1e-12:
+            continue
+        part = (factor[s] * z[moves[s]]).sum(axis=1)
+        np.testing.assert_allclose(policy[s], part / z[s], atol=1e-9)
+    np.testing.assert_allclose(policy.sum(axis=1), 1.0, atol=1e-12)
+    value = soft_value(moves, goal, costs, others, chances)
+    np.testing.assert_allclose(np.exp(value[z > 1e-12]), z[z > 1e-12], rtol=1e-9)
+
+
+def test_a_goal_region_is_as_good_anywhere() -> None:
+    # 0 - 1 - 2 - 3 - 4 in a row, actions left and right; both ends are the goal.
+    moves = np.array([[0, 1], [0, 2], [1, 3], [2, 4], [3, 4]])
+    policy = maximum_entropy_policy(moves, [0, 4], 3.0)
+    assert policy[2] == pytest.approx([0.5, 0.5])
+    assert policy[1, 0] == pytest.approx(policy[3, 1])
+    assert policy[1, 0] > 0.9
+
+
+def test_an_equal_cost_for_all_is_that_cost() -> None:
+    moves = np.array([[0, 1], [0, 2], [1, 2]])
+    one = maximum_entropy_policy(moves, 2, 2.0)
+    np.testing.assert_allclose(maximum_entropy_policy(moves, 2, np.full((3, 2), 2.0)), one)
+    # A dear move is taken less often.
+    dear = np.array([[2.0, 2.0], [3.0, 2.0], [2.0, 2.0]])
+    assert maximum_entropy_policy(moves, 2, dear)[1, 0] < one[1, 0]
+
+
+@pytest.mark.parametrize(
+    ("costs", "message"),
+    [
+        (np.full((3, 1), 2.0), "have shape"),
+        (np.zeros((3, 2)), "must be above 0"),
+        (np.full((3, 2), 0.1), "too small"),
+        (np.full((3, 2), np.nan), "finite"),
+    ],
+)
+def test_bad_costs_are_refused(costs: FloatArray, message: str) -> None:
+    moves = np.array([[0, 1], [0, 2], [1, 2]])
+    with pytest.raises(ValueError, match=message):
+        maximum_entropy_policy(moves, 2, costs)

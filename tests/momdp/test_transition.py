@@ -98,3 +98,15 @@ def test_mixing_comes_after_the_jump(mass: list[float]) -> None:
     )
     expected = [0.0, 0.0, 1.0, 0.0] if mass[0] else [1.0, 0.0, 0.0, 0.0]
     np.testing.assert_array_equal(transition.forward(0, np.array(mass)), expected)
+
+
+@given(jump_transitions(), SEEDS)
+def test_scaled_jumps_are_parts_of_their_matrices(jumps: JumpTransition, seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    which = rng.integers(jumps.count, size=4)
+    scale = rng.random(4)
+    parts = jumps.scaled(which, scale)
+    assert (parts.count, parts.hidden) == (4, jumps.hidden)
+    for k in range(4):
+        expected = scale[k] * dense_map(jumps, int(which[k]))
+        np.testing.assert_allclose(parts.matrix(k), expected, atol=1e-14)

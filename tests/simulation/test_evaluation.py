@@ -37,6 +37,8 @@ def enumerate_trajectories(robot: Robot, partner: SimulatedPartner, longest: int
     model, world, windows = robot.model, robot.model.world, robot.model.windows
     sums = Sums(np.zeros(len(world.goals)), occupancy=[0.0] * longest)
 
+    inputs = model.interface
+
     def go(window: int, mode: int, belief: FloatArray, chance: float, step: int) -> None:
         if chance == 0:
             return
@@ -44,10 +46,12 @@ def enumerate_trajectories(robot: Robot, partner: SimulatedPartner, longest: int
             sums.going += chance
             return
         state = int(windows.state[window])
-        for human_input in range(world.actions):
-            now = chance * float(model.modal_policies[mode, state, human_input])
+        for observed in range(len(inputs.observation_names)):
+            now = chance * float(model.input_likelihood[state, observed, mode])
             if now == 0:
                 continue
+            human_input = observed if observed < len(inputs) else None
+            asked = -1 if human_input is None else int(inputs.asks[human_input])
             robot.reset(belief, window)
             decision = robot.decide(state, human_input)
             perceived = model.perceived[window, decision.action]
@@ -55,31 +59,38 @@ def enumerate_trajectories(robot: Robot, partner: SimulatedPartner, longest: int
             sums.occupancy[step] += now
             sums.steps += now
             sums.disagreement += now * seen
-            sums.overridden += now * (decision.action != human_input)
-            sums.discounted_return += now * model.discount**step * model.disagreement_cost * seen
-            following = int(world.moves[state, decision.action])
-            if following in world.goal_states:
-                goal = world.goal_states.index(following)
-                sums.goal_probability[goal] += now
-                reward = model.discount ** (step + 1) * world.goals[goal].reward
-                sums.discounted_return += now * reward
-                continue
-            for mode_next in range(len(world.goals)):
-                # Eq. 3-4 written out.
-                moves = partner.adaptability * float(perceived[mode_next])
-                moves += (1 - partner.adaptability) * (mode_next == mode)
-                later = int(windows.next[window, decision.action, 0])
-                go(later, mode_next, decision.forecast, now * moves, step + 1)
+            sums.overridden += now * (asked >= 0 and asked != decision.action)
+            paid = float(model.reward[window, decision.action, mode])
+            sums.discounted_return += now * model.discount**step * paid
+            outcomes = world.outcomes[state, decision.action]
+            chances = world.outcome_chances[state, decision.action]
+            for n, following in enumerate(map(int, outcomes)):
+                then = now * float(chances[n])
+                if then == 0:
+                    continue
+                goal = world.goal_at(following)
+                if goal is not None:
+                    sums.goal_probability[goal] += then
+                    reward = model.discount ** (step + 1) * world.goals[goal].reward
+                    sums.discounted_return += then * reward
+                    continue
+                for mode_next in range(len(world.goals)):
+                    # Eq. 3-4 written out.
+                    moves = partner.adaptability * float(perceived[mode_next])
+                    moves += (1 - partner.adaptability) * (mode_next == mode)
+                    later = int(windows.next[window, decision.action, n])
+                    go(later, mode_next, decision.forecast, then * moves, step + 1)
 
     robot.reset()
     prior = robot.belief
-    for mode, chance in enumerate(partner.mode_distribution(model)):
-        go(int(windows.beginning[world.start]), mode, prior, float(chance), 0)
+    for start, begins in world.start_chances.items():
+        for mode, chance in enumerate(partner.mode_distribution(model)):
+            go(int(windows.beginning[start]), mode, prior, begins * float(chance), 0)
     return sums
 
 
 @given(
-    models(states=4, goals=2, memory=3),
+    models(states=4, goals=2, memory=3, general=True),
     st.sampled_from((0.0, 0.3, 1.0)),
     st.sampled_from((0.5, 0.9)),
     st.integers(1, 4),

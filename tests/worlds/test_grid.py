@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
+from coadapt.human.history import NO_STATE
 from coadapt.worlds import FIVE_WAYS, grid
 
 # 3 columns and 2 rows, numbered row by row:  3 4 5
@@ -105,3 +106,52 @@ def test_cells_off_the_grid_are_refused(
 ) -> None:
     with pytest.raises(ValueError, match=message):
         grid(3, 2, start, [("g", goal, 1.0)])
+
+
+def test_a_robot_that_slips_does_another_action_now_and_then() -> None:
+    # The start of a 3 x 2 grid: left, forward and right lead to three different cells.
+    world = grid(3, 2, (1, 0), [("far", (1, 1), 1.0)], slip=0.2)
+    assert not world.is_deterministic
+    found = dict(zip(world.moves[1, 0].tolist(), world.chances[1, 0].tolist(), strict=True))
+    assert found == pytest.approx({0: 0.8, 4: 0.1, 2: 0.1})
+    # In the near left corner left is blocked: it stays there with the 0.8 of left.
+    found = {
+        x: p
+        for x, p in zip(world.moves[0, 2].tolist(), world.chances[0, 2].tolist(), strict=True)
+        if x != NO_STATE
+    }
+    assert found == pytest.approx({1: 0.8, 0: 0.1, 3: 0.1})
+
+
+def test_where_two_actions_lead_to_the_same_cell_their_chances_add_up() -> None:
+    # One row: forward is blocked everywhere, at the left end left is too.
+    world = grid(3, 1, (1, 0), [("right", (2, 0), 1.0)], slip=0.2)
+    found = {
+        x: p
+        for x, p in zip(world.moves[0, 0].tolist(), world.chances[0, 0].tolist(), strict=True)
+        if x != NO_STATE
+    }
+    assert found == pytest.approx({0: 0.9, 1: 0.1})
+
+
+def test_regions_starts_and_costs() -> None:
+    world = grid(
+        3,
+        3,
+        {(1, 0): 0.75, (0, 0): 0.25},
+        [("far", [(0, 2), (1, 2)], 1.0), ("corner", (2, 2), 2.0)],
+        move_cost=0.1,
+    )
+    assert [goal.states for goal in world.goals] == [(6, 7), (8,)]
+    assert world.goal_states == (6, 7, 8)
+    assert world.start == 1
+    assert world.start_chances == {1: 0.75, 0: 0.25}
+    assert world.goal_place(0) == "column 0 row 2 or column 1 row 2"
+    assert world.distance(0).tolist() == [2, 2, 3, 1, 1, 2, 0, 0, -1]
+    np.testing.assert_array_equal(world.costs, np.full((9, 3), 0.1))
+
+
+@pytest.mark.parametrize("slip", [-0.1, 1.0])
+def test_slips_out_of_range_are_refused(slip: float) -> None:
+    with pytest.raises(ValueError, match="slip must lie in"):
+        grid(3, 1, (1, 0), [("right", (2, 0), 1.0)], slip=slip)
