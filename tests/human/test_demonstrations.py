@@ -220,3 +220,8 @@ def test_paths_longer_than_any_cost_explains() -> None:
     # With one path of each kind P(by 1) = 2 / (exp(c) + 2) must be 1/2: c = ln 2.
     at_once = Demonstration.along(moves, 0, [0], 0)
     assert fit_step_cost(moves, [[2]], [by_1, at_once]).weights[0] == pytest.approx(np.log(2))
+
+
+def test_uncertain_moves_are_refused() -> None:
+    with pytest.raises(ValueError, match="every move has one outcome"):
+        fit_cost(MOVES[:, :, None], GOALS, [], features())

@@ -163,9 +163,14 @@ def _newton_point(point: LikelihoodAt) -> FloatArray:
     """Where the quadratic model of the likelihood is largest among weights of at least 0."""
     # With information L L^T the model is -|L^T theta - b|^2 / 2.
     ridge = 1e-14 * np.trace(point.information) * np.eye(len(point.weights))
-    root = np.linalg.cholesky(point.information + ridge)
+    root = _root(point.information + ridge)
     target = root.T @ point.weights + np.linalg.solve(root, point.gradient)
     return np.asarray(nnls(root.T, target)[0])
+
+
+def _root(matrix: FloatArray) -> FloatArray:
+    """The lower triangular ``L`` with ``L L^T = matrix``."""
+    return np.asarray(np.linalg.cholesky(matrix), dtype=np.float64)  # pyright: ignore
 
 
 def _better_point(

@@ -113,6 +113,8 @@ class PathLikelihood:
             ValueError: if there is none, one is no path to its goal, or the features cannot be
                 used.
         """
+        if moves.ndim != 2:
+            raise ValueError("demonstrations can be fitted only where every move has one outcome")
         states, actions = moves.shape
         if features.ndim != 3 or features.shape[:2] != moves.shape or features.shape[2] == 0:
             raise ValueError(
@@ -151,7 +153,7 @@ class PathLikelihood:
         cost = self.features @ weights
         likelihood, count = 0.0, len(weights)
         expected, information = np.zeros(count), np.zeros((count, count))
-        for g in np.flatnonzero(self.starts.any(axis=1)):
+        for g in np.flatnonzero(self.starts.any(axis=1)).tolist():
             goal = self.goals[g]
             others = [s for h, states in enumerate(self.goals) if h != g for s in states]
             try:
@@ -179,14 +181,14 @@ class PathLikelihood:
         chain = sparse.csc_array(
             (pi[stays], (row[stays], place[following][stays])), shape=(len(inner), len(inner))
         )
-        solver = splu(sparse.csc_array(sparse.eye_array(len(inner)) - chain))
+        system = sparse.csc_array(sparse.eye_array(len(inner)) - chain)
         step = np.einsum("xa,xak->xk", pi, self.features[inner])
         to_come = np.zeros((len(self.moves), step.shape[1]))
-        to_come[inner] = solver.solve(step)
-        visits = solver.solve(starts[inner], trans="T")
+        to_come[inner] = splu(system).solve(step)
+        visits: FloatArray = splu(system.transpose().tocsc()).solve(starts[inner])
         change = self.features[inner] + to_come[following] - to_come[inner][:, None]
-        weight = visits[:, None] * pi
-        return visits @ step, np.einsum("xa,xaj,xak->jk", weight, change, change)
+        covariance = np.einsum("xa,xaj,xak->jk", visits[:, None] * pi, change, change)
+        return visits @ step, covariance
 
 
 def _visited(moves: IntArray, policy: FloatArray, starts: FloatArray, ends: BoolArray) -> IntArray:
