@@ -19,7 +19,8 @@ def models(
     """Everything random, with a memory of up to ``memory`` steps.
 
     With ``general`` also what the paper leaves out: uncertain moves, goal regions, several starts,
-    costs, inputs that are not the robot's actions, a human half of the policies of its own.
+    costs, inputs that are not the robot's actions, a human half of the policies of its own,
+    adaptability that differs from goal to goal.
     """
     general = general and draw(st.booleans(), label="general")
     world = draw(worlds(states=states, goals=goals, general=general))
@@ -32,6 +33,9 @@ def models(
     shape = (modes, world.states, world.actions)
     values = np.sort(rng.random(levels))
     values[-1] = 1.0 if zeros else values[-1]
+    if general and rng.random() < 0.5:
+        values = np.clip(rng.uniform(-0.3, 1.3, size=(levels, modes)), 0, 1)
+        values[:, 0] = rng.random(levels)  # so that rows differ
     return SharedAutonomy(
         world,
         memory=draw(st.integers(1, memory), label="memory"),

@@ -201,6 +201,22 @@ def test_one_way_is_a_stubborn_person_and_equal_goals() -> None:
     assert [goal.reward for goal in model.world.goals] == [10.0, 11.0]
 
 
+def test_adaptability_by_goal_is_hidden_by_the_row() -> None:
+    model = SharedAutonomy(TABLE, adaptability=((0.0, 0.5), (0.25, 1.0)))
+    problem = model.to_momdp()
+    check_momdp(problem)
+    assert problem.shape == (52, 4, 3, 3)
+    assert problem.hidden_names[:3] == (
+        "alpha=0/0.5 left",
+        "alpha=0/0.5 right",
+        "alpha=0.25/1 left",
+    )
+    # The same number for both goals is the model with one number.
+    both = SharedAutonomy(TABLE, adaptability=((0.0, 0.0), (0.5, 0.5))).to_momdp()
+    one = SharedAutonomy(TABLE, adaptability=(0.0, 0.5)).to_momdp()
+    np.testing.assert_array_equal(both.transition.matrix(3), one.transition.matrix(3))
+
+
 @pytest.mark.parametrize(
     ("parameters", "message"),
     [
@@ -216,6 +232,7 @@ def test_one_way_is_a_stubborn_person_and_equal_goals() -> None:
         (dict(discount=float("nan")), "discount"),
         (dict(adaptability=(0.0, 1.5)), "adaptability"),
         (dict(adaptability=()), "adaptability"),
+        (dict(adaptability=((0.0, 1.0, 0.5),)), "values for 3 goals, expected 2"),
         (dict(mode_prior=(0.5, 0.6)), "mode prior"),
         (dict(mode_prior=(1.0,)), "mode prior"),
         (dict(mode_prior=(float("nan"), 1.0)), "mode prior"),

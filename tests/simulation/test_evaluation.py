@@ -37,7 +37,7 @@ def enumerate_trajectories(robot: Robot, partner: SimulatedPartner, longest: int
     model, world, windows = robot.model, robot.model.world, robot.model.windows
     sums = Sums(np.zeros(len(world.goals)), occupancy=[0.0] * longest)
 
-    inputs = model.interface
+    inputs, alpha = model.interface, partner.rates(len(world.goals))
 
     def go(window: int, mode: int, belief: FloatArray, chance: float, step: int) -> None:
         if chance == 0:
@@ -76,8 +76,8 @@ def enumerate_trajectories(robot: Robot, partner: SimulatedPartner, longest: int
                     continue
                 for mode_next in range(len(world.goals)):
                     # Eq. 3-4 written out.
-                    moves = partner.adaptability * float(perceived[mode_next])
-                    moves += (1 - partner.adaptability) * (mode_next == mode)
+                    moves = float(alpha[mode_next] * perceived[mode_next])
+                    moves += float((1 - alpha) @ perceived) * (mode_next == mode)
                     later = int(windows.next[window, decision.action, n])
                     go(later, mode_next, decision.forecast, then * moves, step + 1)
 
@@ -92,16 +92,17 @@ def enumerate_trajectories(robot: Robot, partner: SimulatedPartner, longest: int
 @given(
     models(states=4, goals=2, memory=3, general=True),
     st.sampled_from((0.0, 0.3, 1.0)),
+    st.booleans(),
     st.sampled_from((0.5, 0.9)),
     st.integers(1, 4),
 )
 @settings(max_examples=25)
 def test_it_sums_over_all_hidden_trajectories(
-    model: SharedAutonomy, alpha: float, threshold: float, longest: int
+    model: SharedAutonomy, alpha: float, by_goal: bool, threshold: float, longest: int
 ) -> None:
     policy = known_hidden_policy(model.to_momdp(), sweeps=30)
     robot = MutualAdaptation(model, policy, MatchRule(threshold))
-    partner = SimulatedPartner(alpha)
+    partner = SimulatedPartner((alpha, 0.8)[: len(model.world.goals)] if by_goal else alpha)
     expected = enumerate_trajectories(robot, partner, longest)
     found = evaluate(robot, partner, tolerance=1e-9, max_steps=longest)
     np.testing.assert_allclose(found.goal_probability, expected.goal_probability, atol=1e-9)

@@ -58,14 +58,16 @@ def test_draws_have_the_distribution(count: int, seed: int) -> None:
     expect_frequencies([draw(chance, rng) for _ in range(DRAWS)], chance)
 
 
-@given(models(memory=3), st.floats(0, 1), st.integers(0, 2**32))
+@given(models(memory=3), st.floats(0, 1), st.booleans(), st.integers(0, 2**32))
 @settings(max_examples=10)
 def test_inputs_and_modes_have_the_distributions_of_the_model(
-    model: SharedAutonomy, alpha: float, seed: int
+    model: SharedAutonomy, alpha: float, by_goal: bool, seed: int
 ) -> None:
     rng = np.random.default_rng(seed)
-    partner = SimulatedPartner(alpha)
     world, modes = model.world, len(model.world.goals)
+    towards = rng.random(modes) if by_goal else np.full(modes, alpha)
+    partner = SimulatedPartner(towards.tolist() if by_goal else alpha)
+    np.testing.assert_array_equal(partner.rates(modes), towards)
     window, action = int(rng.integers(len(model.windows))), int(rng.integers(world.actions))
     state = int(model.windows.state[window])
     mode = int(rng.integers(modes))
@@ -75,7 +77,7 @@ def test_inputs_and_modes_have_the_distributions_of_the_model(
     inputs = [partner.act(model, state, mode, rng) for _ in range(DRAWS)]
     expect_frequencies(inputs, model.modal_policies[mode, state])
     # Eq. 3-4, tested by itself in tests/human/test_adaptation.py.
-    moves = mode_transition(alpha, model.perceived[window, action])[mode]
+    moves = mode_transition(towards, model.perceived[window, action])[mode]
     found = [partner.next_mode(model, window, mode, action, rng) for _ in range(DRAWS)]
     expect_frequencies(found, moves)
 
@@ -99,10 +101,15 @@ def test_the_stubborn_stay_and_the_adaptable_follow() -> None:
     expect_frequencies(found, [9 / 13, 4 / 13])
 
 
-@pytest.mark.parametrize("alpha", [-0.1, 1.1, float("nan")])
-def test_bad_adaptability_is_refused(alpha: float) -> None:
+@pytest.mark.parametrize("alpha", [-0.1, 1.1, float("nan"), (), (0.5, 1.1)])
+def test_bad_adaptability_is_refused(alpha: Any) -> None:
     with pytest.raises(ValueError, match="adaptability"):
         SimulatedPartner(alpha)
+
+
+def test_adaptability_for_another_number_of_goals() -> None:
+    with pytest.raises(ValueError, match="given for 3 goals, expected 2"):
+        SimulatedPartner((0.1, 0.2, 0.3)).first_mode(MODEL, np.random.default_rng(0))
 
 
 @pytest.mark.parametrize("mode", [-1, 2])

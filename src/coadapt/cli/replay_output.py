@@ -17,7 +17,7 @@ from coadapt import __version__
 from coadapt.errors import printable
 from coadapt.robots import Decision, Robot
 from coadapt.robots.setup import RobotSetup
-from coadapt.simulation.log import DecisionCells, Value, number
+from coadapt.simulation.log import DecisionCells, Value
 from coadapt.simulation.replay import Comparison, ReplayedTrial
 
 MOST_RICH_ROWS = 1000
@@ -251,8 +251,8 @@ def _all_columns(robot: Robot) -> list[Column]:
         heading = f"P({mode})"
         columns.append(Column(heading, max(5, len(heading)), _chance_of_mode(m)))
     columns.append(Column("mean alpha", 10, lambda _, d: f"{_mean_alpha(robot, d):.3f}"))
-    for a, alpha in enumerate(model.alpha.values):
-        heading = f"a={number(float(alpha))}"
+    for a, alpha in enumerate(model.alpha.names):
+        heading = f"a={alpha.removeprefix('alpha=')}"
         columns.append(Column(heading, max(5, len(heading)), _chance_of_alpha(a), keep=0))
     return columns
 
@@ -304,7 +304,7 @@ def _modes(robot: Robot, decision: Decision) -> Iterator[tuple[str, float]]:
 
 
 def _mean_alpha(robot: Robot, decision: Decision) -> float:
-    return float((robot.planning_model.alpha.values * decision.adaptability_belief).sum())
+    return float((robot.planning_model.alpha.levels * decision.adaptability_belief).sum())
 
 
 def _count(n: int, noun: str) -> str:

@@ -37,8 +37,8 @@ class SharedAutonomy:
         world: states, moves, goals; one mode for each goal.
         memory: the ``k`` last steps from which the person infers the robot's mode, the present one
             among them; 1 to `coadapt.human.history.LONGEST_MEMORY`.
-        adaptability: values of alpha (then with a uniform prior, fixed over time), or an
-            `Adaptability` with a prior and transition of its own.
+        adaptability: values of alpha, or rows of values, one for each goal (then with a uniform
+            prior, fixed over time); or an `Adaptability` with a prior and transition of its own.
         mode_prior: ``[M]`` belief over the person's first mode; uniform by default.
         disagreement_cost: ``C`` of Eq. 8, at most 0.
         action_disagreement_cost: ``C_a``, at most 0: paid for the probability that the person wants
@@ -58,7 +58,7 @@ class SharedAutonomy:
 
     world: World
     memory: int = 1
-    adaptability: Adaptability | Sequence[float] = PAPER_ADAPTABILITY
+    adaptability: Adaptability | Sequence[float] | Sequence[Sequence[float]] = PAPER_ADAPTABILITY
     mode_prior: Sequence[float] | None = None
     disagreement_cost: float = -0.32
     action_disagreement_cost: float = 0.0
@@ -92,7 +92,7 @@ class SharedAutonomy:
             )
         # The derived pieces refuse bad values; compute the cheap ones now, so that errors surface
         # where the model is made.
-        _ = self.alpha, self.prior, self.windows
+        _ = self.alpha.rates(len(world.goals)), self.prior, self.windows
 
     @cached_property
     def alpha(self) -> Adaptability:
@@ -220,7 +220,7 @@ class SharedAutonomy:
         targets, which = np.unique(self.perceived.reshape(-1, modes), axis=0, return_inverse=True)
         which = np.broadcast_to(which.reshape(len(windows), actions, 1), chance.shape)[possible]
         jumps = JumpTransition(
-            rate=np.repeat(alpha.values[:, None], modes, axis=1),
+            rate=alpha.rates(modes),
             target=targets,
             mixing=None if alpha.is_fixed else alpha.transition,
         )
@@ -242,7 +242,7 @@ class SharedAutonomy:
             roots=self._roots(),
             observed_names=self._window_names(),
             hidden_names=tuple(
-                f"alpha={a:g} {mode}" for a in alpha.values for mode in self.mode_names
+                f"{name} {mode}" for name in alpha.names for mode in self.mode_names
             ),
             action_names=world.action_names,
             observation_names=self.interface.observation_names,

@@ -24,7 +24,6 @@ from coadapt.play.table import Scene, TableView, arrow
 from coadapt.robots import Decision, NoAdaptation, Robot
 from coadapt.robots.explain import explain, match_threshold
 from coadapt.robots.setup import Progress
-from coadapt.simulation.log import number
 
 INTERRUPTED = 130
 
@@ -286,10 +285,10 @@ def belief_bars(session: Session, with_agreement: bool) -> list[Bars]:
     model = robot.planning_model
     belief = model.prior if session.last is None else session.last.belief
     chances = belief.sum(axis=1)
-    mean = float((model.alpha.values * chances).sum())
+    mean = float((model.alpha.levels * chances).sum())
     is_deaf = isinstance(robot, NoAdaptation)
     learns = "this robot learns nothing" if is_deaf else ""
-    names = [number(float(a)) for a in model.alpha.values]
+    names = [name.removeprefix("alpha=") for name in model.alpha.names]
     groups = [
         Bars("Where you want to go", model.mode_names, belief.sum(axis=0).tolist(), learns),
         Bars("Your adaptability (alpha)", names, chances.tolist(), f"mean {mean:.2f}"),

@@ -186,7 +186,7 @@ def expand(
     """
     model, world, windows = robot.model, robot.model.world, robot.model.windows
     starts, inputs = world.start_chances, len(model.interface)
-    alpha = np.array([partner.adaptability for partner in partners])
+    alpha = _adaptabilities(partners, len(world.goals))
     robot.reset()
     window = windows.beginning[list(starts)]
     belief = np.repeat(robot.belief[None], len(starts), axis=0)
@@ -214,6 +214,12 @@ def expand(
         moved = moved[which] * chance[which, outcome][:, None, None]
         on = ~world.ends[windows.state[reached]]
         window, belief, weight = _merge(reached[on], decisions.forecast[which[on]], moved[on])
+
+
+def _adaptabilities(partners: Sequence[SimulatedPartner], goals: int) -> FloatArray:
+    """``[P]``, or ``[P, M]`` where it differs from goal to goal for one of them."""
+    alpha = np.stack([partner.rates(goals) for partner in partners])
+    return alpha[:, 0] if np.all(alpha == alpha[:, :1]) else alpha
 
 
 def _merge(

@@ -83,8 +83,8 @@ class DecisionCells:
         self._states = world.state_names
         self._inputs, self._actions = model.interface.names, world.action_names
         self._beliefs = tuple(
-            f"{BELIEF_PREFIX}alpha={number(float(alpha))} {mode}]"
-            for alpha in model.alpha.values
+            f"{BELIEF_PREFIX}{alpha} {mode}]"
+            for alpha in model.alpha.names
             for mode in model.mode_names
         )
         self.columns = (*DECISION_COLUMNS, *self._beliefs)

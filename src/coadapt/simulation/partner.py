@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Protocol
 
@@ -40,27 +41,40 @@ class SimulatedPartner:
     """A person who follows the adaptation model (Sec. 2.1 and 3).
 
     Attributes:
-        adaptability: alpha, in [0, 1].
+        adaptability: alpha, in [0, 1], or one for each goal: the readiness to switch to it.
         mode: index of the first mode; drawn from the model's prior if None.
 
     Raises:
         ValueError: if adaptability is outside [0, 1].
     """
 
-    adaptability: float
+    adaptability: float | Sequence[float]
     mode: int | None = None
 
     def __post_init__(self) -> None:
-        if not 0 <= self.adaptability <= 1:
+        alpha = np.asarray(self.adaptability, dtype=np.float64)
+        if not (alpha.size and np.all(alpha >= 0) and np.all(alpha <= 1)):
             raise ValueError(f"adaptability must lie in [0, 1], not {self.adaptability}")
+
+    def rates(self, goals: int) -> FloatArray:
+        """``[M]`` the adaptability towards each of the goals.
+
+        Raises:
+            ValueError: if it is given for another number of goals.
+        """
+        alpha = np.asarray(self.adaptability, dtype=np.float64)
+        if alpha.shape not in ((), (goals,)):
+            raise ValueError(f"adaptability is given for {alpha.size} goals, expected {goals}")
+        return np.broadcast_to(alpha, (goals,))
 
     def mode_distribution(self, model: SharedAutonomy) -> FloatArray:
         """``[M]`` distribution of the first mode.
 
         Raises:
-            ValueError: if the model has no such mode.
+            ValueError: if the model has no such mode, or not as many as there are adaptabilities.
         """
         modes = len(model.world.goals)
+        _ = self.rates(modes)
         if self.mode is None:
             return model.prior.sum(axis=0)
         if not 0 <= self.mode < modes:
@@ -83,7 +97,10 @@ class SimulatedPartner:
     ) -> int:
         """Switch to the perceived robot mode with probability alpha (Eq. 3-4)."""
         perceived = draw(model.perceived[window, action], rng)
-        return perceived if rng.random() < self.adaptability else mode
+        alpha = self.adaptability
+        if not isinstance(alpha, float | int):
+            alpha = alpha[perceived]
+        return perceived if rng.random() < alpha else mode
 
 
 def draw(distribution: FloatArray, rng: np.random.Generator) -> int:
