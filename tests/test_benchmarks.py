@@ -1,4 +1,4 @@
-"""How `benchmarks/solve.py` reads the reference's output and compares times."""
+"""The parts of the benchmarks that can go wrong unseen."""
 
 from __future__ import annotations
 
@@ -8,6 +8,9 @@ from types import SimpleNamespace
 from typing import Any
 
 import pytest
+
+import coadapt as ca
+from coadapt.human.features import action_counts
 
 BENCHMARKS = Path(__file__).parents[1] / "benchmarks"
 
@@ -39,11 +42,14 @@ def modules() -> Any:
     sys.path.insert(0, str(BENCHMARKS))
     try:
         import comparison
+        import features
         import solve_report
         import solvers
     finally:
         sys.path.remove(str(BENCHMARKS))
-    return SimpleNamespace(comparison=comparison, solvers=solvers, report=solve_report)
+    return SimpleNamespace(
+        comparison=comparison, features=features, solvers=solvers, report=solve_report
+    )
 
 
 def ended(modules: Any, printed: str) -> Any:
@@ -171,3 +177,19 @@ def test_the_report_has_every_problem(modules: Any, tmp_path: Path) -> None:
     assert both.confirmed == "NO"
     modules.report.write_csv([both, neither], tmp_path / "solve.csv")
     assert len((tmp_path / "solve.csv").read_text().splitlines()) == 3
+
+
+def test_plans_by_features_come_close(modules: Any) -> None:
+    # The table in docs/explanation/histories.md; each plan's value is certified by its bounds in
+    # its own model, and what it earns with a person who remembers everything by `evaluate_all`.
+    model = ca.SharedAutonomy(ca.worlds.table_clearing(11, 3), memory=4, step_cost=1.2)
+    windows, lower, upper, earned = modules.features.follow(model, None)
+    assert windows == 778
+    assert lower - 1e-3 <= earned <= upper + 1e-3
+    fewer, _, _, counted = modules.features.follow(model, action_counts)
+    assert fewer == 192
+    assert upper - 2e-3 <= counted <= upper + 1e-3
+    # Looking at the present state alone costs ten times as much, and says otherwise.
+    least, promised, _, blind = modules.features.follow(model, lambda states, actions: 0)
+    assert least == 33
+    assert blind < upper - 5e-3 < promised

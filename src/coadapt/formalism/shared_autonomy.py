@@ -17,6 +17,7 @@ from coadapt.arrays import FloatArray, IntArray
 from coadapt.formalism.reward import reward
 from coadapt.human import filter as human_filter
 from coadapt.human.adaptation import Adaptability, require_distribution
+from coadapt.human.features import Features, feature_windows
 from coadapt.human.history import NO_ACTION, Windows
 from coadapt.human.inputs import Inputs
 from coadapt.human.modal import maximum_entropy_policy
@@ -37,6 +38,8 @@ class SharedAutonomy:
         world: states, moves, goals; one mode for each goal.
         memory: the ``k`` last steps from which the person infers the robot's mode, the present one
             among them; 1 to `coadapt.human.history.LONGEST_MEMORY`.
+        features: what counts of the past steps, where all of them are too many to keep
+            (`coadapt.human.features`); everything by default.
         adaptability: values of alpha, or rows of values, one for each goal (then with a uniform
             prior, fixed over time); or an `Adaptability` with a prior and transition of its own.
         mode_prior: ``[M]`` belief over the person's first mode; uniform by default.
@@ -67,6 +70,7 @@ class SharedAutonomy:
     policies: FloatArray | None = None
     human_policies: FloatArray | None = None
     inputs: Inputs | None = None
+    features: Features | None = None
 
     def __post_init__(self) -> None:
         for name, cost in (
@@ -140,8 +144,10 @@ class SharedAutonomy:
     @cached_property
     def windows(self) -> Windows:
         """What the person may remember: the observed states of the planning problem."""
-        world = self.world
-        return Windows.of(world.moves, list(world.start_chances), world.ends, self.memory)
+        world, starts = self.world, list(self.world.start_chances)
+        if self.features is not None:
+            return feature_windows(world.moves, starts, world.ends, self.memory, self.features)
+        return Windows.of(world.moves, starts, world.ends, self.memory)
 
     @cached_property
     def perceived(self) -> FloatArray:
