@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING
 
 if TYPE_CHECKING:
     from coadapt import robots, worlds
-    from coadapt.formalism import SharedAutonomy
+    from coadapt.formalism import Collaboration, SharedAutonomy
     from coadapt.human import Adaptability, Inputs
     from coadapt.momdp import (
         MOMDP,
@@ -34,6 +34,7 @@ __all__ = [
     "SARSOP",
     "Adaptability",
     "AlphaVectorPolicy",
+    "Collaboration",
     "Episode",
     "Inputs",
     "MOMDPError",
@@ -62,6 +63,7 @@ _HOME = {
     "MOMDP": "coadapt.momdp",
     "Adaptability": "coadapt.human",
     "AlphaVectorPolicy": "coadapt.momdp",
+    "Collaboration": "coadapt.formalism",
     "Episode": "coadapt.simulation",
     "Inputs": "coadapt.human",
     "MOMDPError": "coadapt.momdp",

@@ -49,7 +49,7 @@ class JointRecall:
         return int(self.model.world.moves[steps[-1]]) if steps else self.start
 
     def done(self, steps: list[Step]) -> bool:
-        return self.state(steps) in [goal.state for goal in self.model.world.goals]
+        return self.state(steps) in [goal.at for goal in self.model.world.goals]
 
     def prior(self) -> Belief:
         assert self.model.mode_prior is not None
@@ -86,13 +86,13 @@ class JointRecall:
     def seen_mode_chance(self, steps: list[Step], i: int, mode: int) -> float:
         """Eq. 3-4 with what the last ``k`` pairs of modes tell."""
         assert self.model.mode_prior is not None
+        if not steps:
+            return self.model.mode_prior[mode]
         recent = steps[-self.model.memory :]
         own = self.frequent([self.shown(1, x, h) for x, _, h in recent])
-        if not steps:
-            own = dict(enumerate(self.model.mode_prior))
         robot = self.frequent([self.shown(0, x, a) for x, a, _ in recent])
         if not robot:  # nothing seen of the robot
-            return own.get(mode, 0.0)
+            robot = dict.fromkeys(self.modes, 1 / len(self.modes))
         return sum(
             p * q * (self.rate(i, r) * (mode == r) + (1 - self.rate(i, r)) * (mode == m))
             for m, p in own.items()
@@ -153,7 +153,7 @@ class JointRecall:
         if horizon == 0:
             return 0.0
         if self.done(steps):
-            goal = [g.state for g in self.model.world.goals].index(self.state(steps))
+            goal = [g.at for g in self.model.world.goals].index(self.state(steps))
             return sum(belief.values()) * self.model.world.goals[goal].reward
         values: list[float] = []
         for a in self.actions:

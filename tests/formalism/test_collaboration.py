@@ -161,7 +161,7 @@ def test_the_planner_and_the_filter_hold_the_same_belief(model: Collaboration, s
 def test_the_published_course_of_beliefs(memory: int, skewed_to: str) -> None:
     model = Collaboration(table_carrying(), memory=memory, mode_prior=(1.0, 0.0))
     left, right = np.array([0]), np.array([1])
-    window, belief = model.windows.beginning[[model.world.starts[0]]], model.prior[None]
+    window, belief = model.windows.beginning[[model.world.start]], model.prior[None]
     means: list[float] = []
     # Human and robot: the human insists twice, switches as the robot gives in, and switches back.
     for human, robot in ((left, right), (left, right), (right, left), (left, left)):

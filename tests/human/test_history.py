@@ -10,6 +10,7 @@ from hypothesis import strategies as st
 from coadapt.arrays import BoolArray, IntArray
 from coadapt.human import history
 from coadapt.human.history import NO_ACTION, NO_WINDOW, Windows, count_windows
+from coadapt.human.remembered import locate
 from coadapt.worlds import table_clearing
 
 Task = tuple[IntArray, int, BoolArray]
@@ -152,15 +153,15 @@ def test_where_a_step_begins() -> None:
     moves = np.array([[0, 1], [0, 2], [1, 3], [3, 3]])
     ends = np.array([False, False, False, True])
     windows = Windows.of(moves, 1, ends, 2)
-    beginning = windows.locate(None, 1)
+    beginning = locate(windows, None, 1)
     after_on = int(windows.next[beginning, 1, 0])
-    assert windows.locate(np.array([after_on]), 2) == after_on
+    assert locate(windows, np.array([after_on]), 2) == after_on
     # Back in the start without a way there: nothing is remembered.
-    assert windows.locate(np.array([after_on]), 1) == beginning
+    assert locate(windows, np.array([after_on]), 1) == beginning
     with pytest.raises(ValueError, match="state 0 does not follow from the last action"):
-        windows.locate(np.array([after_on]), 0)
+        locate(windows, np.array([after_on]), 0)
     # With one step no past is needed anywhere.
-    assert Windows.of(moves, 1, ends, 1).locate(np.array([2]), 0) == 0
+    assert locate(Windows.of(moves, 1, ends, 1), np.array([2]), 0) == 0
 
 
 @pytest.mark.parametrize("memory", [-1, 0, history.LONGEST_MEMORY + 1])

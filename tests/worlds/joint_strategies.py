@@ -25,7 +25,7 @@ def joint_worlds(draw: st.DrawFn, *, states: int = 5, goals: int = 3) -> JointWo
         goals=tuple(
             Goal(f"goal {g}", places[g], float(rng.uniform(1, 12))) for g in range(goal_count)
         ),
-        starts=tuple(places[goal_count : goal_count + starts]),
+        starts={place: 1 / starts for place in places[goal_count : goal_count + starts]},
         state_names=tuple(f"s{s}" for s in range(count)),
         action_names=tuple(f"r{a}" for a in range(actions)),
         human_action_names=tuple(f"h{a}" for a in range(human_actions)),

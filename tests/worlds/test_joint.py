@@ -23,7 +23,7 @@ LEFT, RIGHT = 0, 1
 def test_distances_are_those_of_paths_past_no_other_goal(world: JointWorld) -> None:
     for g, goal in enumerate(world.goals):
         # Fewest steps by Bellman's equation, swept until it holds.
-        steps = np.where(np.arange(world.states) == goal.state, 0.0, np.inf)
+        steps = np.where(np.arange(world.states) == goal.at, 0.0, np.inf)
         for _ in range(world.states):
             for x in range(world.states):
                 if x not in world.goal_states:
@@ -34,7 +34,7 @@ def test_distances_are_those_of_paths_past_no_other_goal(world: JointWorld) -> N
 
 def test_a_table_turns_when_both_push_the_same_way() -> None:
     world = table_carrying()
-    here = world.starts[0]
+    here = world.start
     assert world.moves[here, LEFT, LEFT] == here - 1
     assert world.moves[here, RIGHT, RIGHT] == here + 1
     assert world.moves[here, LEFT, RIGHT] == world.moves[here, RIGHT, LEFT] == here
@@ -46,7 +46,7 @@ def test_a_table_turns_when_both_push_the_same_way() -> None:
     assert np.linalg.norm(world.positions, axis=1) == pytest.approx(1.0)
 
 
-@pytest.mark.parametrize("start", hallway().starts)
+@pytest.mark.parametrize("start", list(hallway().starts))
 def test_they_pass_where_both_go_to_their_own_left_or_right(start: int) -> None:
     world = hallway()
     for side in (LEFT, RIGHT):
@@ -61,15 +61,16 @@ def test_they_pass_where_both_go_to_their_own_left_or_right(start: int) -> None:
 @pytest.mark.parametrize(
     ("changed", "message"),
     [
-        (dict(moves=np.zeros((14, 2), dtype=np.int64)), "3 axes"),
+        (dict(moves=np.zeros((14, 2), dtype=np.int64)), "expected .X, A_r, A_h."),
         (dict(moves=np.full((14, 2, 2), 14)), "states 0 to 13"),
         (dict(action_names=("left",)), "names for"),
         (dict(positions=np.zeros((2, 2))), "positions have shape"),
         (dict(goals=()), "at least one goal"),
-        (dict(starts=()), "at least one start"),
-        (dict(starts=(20,)), "state 20 is not one of 0 to 13"),
-        (dict(starts=(3, 3)), "given twice"),
-        (dict(starts=(0,)), "the start, orientation 0, is a goal"),
+        (dict(starts={}), "sum to 1"),
+        (dict(starts={3: 0.5}), "sum to 1"),
+        (dict(starts={20: 1.0}), "state 20 is not one of 0 to 13"),
+        (dict(starts={0: 1.0}), "the start, orientation 0, is a goal"),
+        (dict(goals=(Goal("a", (), 1.0),)), "goal a has no state"),
         (dict(goals=(Goal("a", 0, 1.0), Goal("b", 0, 2.0))), "share a state"),
         (dict(goals=(Goal("a", 0, 1.0), Goal("a", 1, 2.0))), "share a name"),
     ],

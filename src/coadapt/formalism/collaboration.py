@@ -118,9 +118,9 @@ class Collaboration:
         world = self.world
         moves = world.moves.reshape(world.states, -1)
         if self.hidden_modes:
-            others = [g for g in world.goal_states if g != world.goals[goal].state]
-            state = world.goals[goal].state
-            policy = maximum_entropy_policy(moves, state, self.step_cost, others)
+            states = world.goals[goal].states
+            others = [x for x in world.goal_states if x not in states]
+            policy = maximum_entropy_policy(moves, states, self.step_cost, others)
         else:
             steps = world.distance(goal)[moves]
             steps[steps < 0] = world.states  # further away than anything
@@ -135,11 +135,11 @@ class Collaboration:
         robot, human = self.modal_policies
         likelihood = np.ascontiguousarray(np.moveaxis(human, 0, -1))
         if self.hidden_modes:
-            steps = StepWindows.of(world.moves, world.starts, world.ends, self.memory)
+            steps = StepWindows.of(world.moves, list(world.starts), world.ends, self.memory)
             return HiddenModes(steps, self.alpha, self.mode_names, robot, likelihood)
         pairs = PairWindows.of(
             world.moves,
-            world.starts,
+            list(world.starts),
             world.ends,
             self.memory,
             _mode_shown(robot),
@@ -191,6 +191,39 @@ class Collaboration:
         """The belief ``[N, A, M]`` before the next human action, from the corrected one."""
         return self.modes.predict(belief, window, action, human_action)
 
+    @property
+    def input_names(self) -> tuple[str, ...]:
+        """The human's actions."""
+        return self.world.human_action_names
+
+    @property
+    def input_likelihood(self) -> FloatArray:
+        """``[X, A_h, M]`` the human half of the modal policies."""
+        return self.modes.likelihood
+
+    @cached_property
+    def reward(self) -> FloatArray:
+        """``[W, A_r, M]``: ``R_goal`` in a goal state, and nothing elsewhere."""
+        rewards = np.zeros((len(self.windows), self.world.actions, len(self.world.goals)))
+        for goal in self.world.goals:
+            rewards[np.isin(self.windows.state, goal.states)] = goal.reward
+        return rewards
+
+    def kept_modes(self, window: int | IntArray, action: int | IntArray) -> FloatArray:
+        """``[..., M, M]`` the mode of somebody who does not adapt, row ``m`` if they act in ``m``.
+
+        Args:
+            window: ``[...]`` before the robot's action.
+            action: ``[...]`` the robot's action.
+        """
+        return self.modes.kept_modes(window, action)
+
+    def outcome_chances(
+        self, state: IntArray, action: IntArray, human_input: IntArray
+    ) -> FloatArray:
+        """``[K, A_h]``: an outcome of the robot's action is an action of the human."""
+        return np.eye(self.world.human_actions)[human_input]
+
     def to_momdp(self) -> MOMDP:
         """The planning problem. Observed states are the `windows`, there is one observation.
 
@@ -213,9 +246,6 @@ class Collaboration:
         )
         maps = rows[used // len(change)][:, :, None] * change[used % len(change)]
         edges = np.bincount(x * actions + a, minlength=count * actions)
-        reward = np.zeros((count, actions, hidden))
-        for goal in world.goals:
-            reward[windows.state == goal.state] = goal.reward
         problem = MOMDP(
             edge_start=np.concatenate(([0], np.cumsum(edges))),
             edge_next=windows.next[edge],
@@ -223,16 +253,16 @@ class Collaboration:
             transition=SparseTransition.from_dense(maps),
             observation=np.ones((1, hidden, 1)),
             observation_index=np.zeros((actions, count), dtype=np.int64),
-            reward=reward,
+            reward=np.repeat(self.reward[:, :, :1], hidden, axis=2),
             discount=self.discount,
             roots=tuple(
                 Root(
                     int(windows.beginning[start]),
                     modes.hidden(self.prior),
-                    1 / len(world.starts),
+                    chance,
                     world.state_names[start],
                 )
-                for start in world.starts
+                for start, chance in world.starts.items()
             ),
             observed_names=modes.observed_names(world),
             hidden_names=modes.hidden_names,

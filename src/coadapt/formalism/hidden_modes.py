@@ -51,6 +51,11 @@ class HiddenModes:
         steps.append((windows.state[:, None], np.arange(actions)))
         return perceived_robot_mode(self.robot_policies, steps)
 
+    def kept_modes(self, window: int | IntArray, action: int | IntArray) -> FloatArray:
+        """``[..., M, M]``: somebody who does not adapt keeps the mode in which they are."""
+        modes = len(self.mode_names)
+        return np.broadcast_to(np.eye(modes), (*np.shape(window), modes, modes))
+
     @property
     def hidden_names(self) -> tuple[str, ...]:
         """``Y`` labels."""

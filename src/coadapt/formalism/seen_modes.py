@@ -40,14 +40,18 @@ class SeenModes:
     @cached_property
     def stays(self) -> FloatArray:
         """``[W, M]`` the mode of somebody who does not adapt: their own most frequent one."""
-        own = most_frequent(self.windows.human_modes, len(self.mode_prior), self.ties)
-        own[self.windows.length == 0] = self.mode_prior
-        return own
+        return most_frequent(self.windows.human_modes, len(self.mode_prior), self.ties)
 
     @cached_property
     def sees(self) -> FloatArray:
-        """``[W, M]`` the robot's most frequent mode; 0 where none of its actions showed one."""
-        return most_frequent(self.windows.robot_modes, len(self.mode_prior), self.ties)
+        """``[W, M]`` the robot's most frequent mode; uniform where none of its actions showed one.
+
+        The same is said of a window that says nothing in Eq. 2.
+        """
+        modes = len(self.mode_prior)
+        seen = most_frequent(self.windows.robot_modes, modes, self.ties)
+        seen[~seen.any(axis=1)] = 1 / modes
+        return seen
 
     @cached_property
     def perceived(self) -> FloatArray:
@@ -60,7 +64,15 @@ class SeenModes:
         """``[W, A, M]``: ``P(m_h | alpha, w)``, Eq. 3-4 with what the window tells."""
         rates = self.alpha.rates(len(self.mode_prior))
         own = np.repeat(self.stays[:, None], len(rates), axis=1)
-        return human_filter.predict(own, rates, self.sees, None)
+        chance = human_filter.predict(own, rates, self.sees, None)
+        chance[self.windows.length == 0] = self.mode_prior
+        return chance
+
+    def kept_modes(self, window: int | IntArray, action: int | IntArray) -> FloatArray:
+        """``[..., M, M]``: what `stays` becomes by one more action in each mode."""
+        acts = self.likelihood[self.windows.state[window]].argmax(axis=-2)  # [..., M]
+        following = self.windows.next[window, action]  # [..., A_h]
+        return self.stays[np.take_along_axis(following, acts, axis=-1)]
 
     @property
     def hidden_names(self) -> tuple[str, ...]:

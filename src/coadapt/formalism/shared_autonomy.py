@@ -141,6 +141,11 @@ class SharedAutonomy:
             return self.inputs
         return Inputs.actions(self.world.action_names, self.world.directions)
 
+    @property
+    def input_names(self) -> tuple[str, ...]:
+        """What the person can steer with."""
+        return self.interface.names
+
     @cached_property
     def windows(self) -> Windows:
         """What the person may remember: the observed states of the planning problem."""
@@ -204,6 +209,17 @@ class SharedAutonomy:
         return human_filter.predict(
             belief, alpha.values, self.perceived[window, action], transition
         )
+
+    def kept_modes(self, window: int | IntArray, action: int | IntArray) -> FloatArray:
+        """``[..., M, M]``: somebody who does not adapt keeps the mode in which they are."""
+        modes = len(self.world.goals)
+        return np.broadcast_to(np.eye(modes), (*np.shape(window), modes, modes))
+
+    def outcome_chances(
+        self, state: IntArray, action: IntArray, human_input: IntArray
+    ) -> FloatArray:
+        """``[K, N]`` the probability of each outcome of ``action``; inputs move nothing."""
+        return self.world.outcome_chances[state, action]
 
     def one_way(self) -> SharedAutonomy:
         """The one-way model of Sec. 6.1: alpha fixed to 0 and equal rewards at all goals."""

@@ -105,31 +105,6 @@ class Windows:
     def __len__(self) -> int:
         return len(self.state)
 
-    def locate(self, expected: IntArray | None, state: int) -> int:
-        """The window with which a step in ``state`` begins.
-
-        It is the one of ``expected`` that ends in ``state``. If none does, the robot came there in
-        a way that nobody saw, and it is the window without actions.
-
-        Args:
-            expected: the windows that the last action may have led to, or None where there was
-                no action.
-            state: the robot state.
-
-        Raises:
-            ValueError: if there is no such window. With ``k > 1`` only the starts have one.
-        """
-        for window in () if expected is None else map(int, expected):
-            if window != NO_WINDOW and self.state[window] == state:
-                return window
-        window = int(self.beginning[state])
-        if window == NO_WINDOW:
-            raise ValueError(
-                f"state {state} does not follow from the last action, and with a memory of "
-                f"{self.memory} steps only the start state needs no past"
-            )
-        return window
-
     def steps(self, moves: IntArray) -> Iterator[tuple[IntArray, IntArray]]:
         """The ``k`` steps of Eq. 1, oldest first, of every window with every action to follow.
 

@@ -11,7 +11,7 @@ it, because both act at the same time.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from itertools import chain, product
 from typing import Literal, Self, get_args
@@ -88,7 +88,7 @@ class PairWindows:
     def of(
         cls,
         moves: IntArray,
-        starts: tuple[int, ...],
+        starts: Sequence[int],
         ends: BoolArray,
         memory: int,
         robot_mode: IntArray,

@@ -8,6 +8,7 @@ their mode.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import Self
 
@@ -48,7 +49,7 @@ class StepWindows:
     beginning: IntArray
 
     @classmethod
-    def of(cls, moves: IntArray, starts: tuple[int, ...], ends: BoolArray, memory: int) -> Self:
+    def of(cls, moves: IntArray, starts: Sequence[int], ends: BoolArray, memory: int) -> Self:
         """The windows of a task.
 
         Args:

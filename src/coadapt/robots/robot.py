@@ -8,8 +8,9 @@ from typing import Protocol
 import numpy as np
 
 from coadapt.arrays import BoolArray, FloatArray, IntArray
-from coadapt.formalism import SharedAutonomy
+from coadapt.formalism import Model, SharedAutonomy
 from coadapt.human.history import NO_ACTION
+from coadapt.human.remembered import locate
 
 NO_INPUT = -1
 """Stands for "no input" in arrays of inputs."""
@@ -93,8 +94,8 @@ class Decisions:
         )
 
 
-class Robot(Protocol):
-    """A robot that decides from its state and the person's input, one step at a time.
+class Decider(Protocol):
+    """A robot in any setting: what an episode needs of it.
 
     All a robot remembers from step to step is its belief, and the window of its last steps that
     the person remembers. So an episode can be continued anywhere by ``reset(forecast, window)``.
@@ -106,13 +107,8 @@ class Robot(Protocol):
         ...
 
     @property
-    def model(self) -> SharedAutonomy:
+    def model(self) -> Model:
         """World and people as they are in all conditions."""
-        ...
-
-    @property
-    def planning_model(self) -> SharedAutonomy:
-        """What the robot takes them for; its beliefs are over this model's alpha and modes."""
         ...
 
     @property
@@ -127,6 +123,32 @@ class Robot(Protocol):
             belief: ``[A, M]`` to begin with; the model's prior if None.
             window: index in ``model.windows`` of what the person remembers; nothing if None.
         """
+        ...
+
+    def decide_many(
+        self, windows: IntArray, human_inputs: IntArray, beliefs: FloatArray
+    ) -> Decisions:
+        """Decide in ``N`` situations at once.
+
+        Args:
+            windows: ``[N]`` indices in ``model.windows``, none of which ends in a goal.
+            human_inputs: ``[N]`` inputs, `NO_INPUT` where there was none.
+            beliefs: ``[N, A, M]`` the belief in each before the input.
+        """
+        ...
+
+
+class Robot(Decider, Protocol):
+    """A robot that decides from its state and the person's input, one step at a time."""
+
+    @property
+    def model(self) -> SharedAutonomy:
+        """World and people as they are in all conditions."""
+        ...
+
+    @property
+    def planning_model(self) -> SharedAutonomy:
+        """What the robot takes them for; its beliefs are over this model's alpha and modes."""
         ...
 
     def act(self, state: int, human_input: int | None) -> int:
@@ -150,37 +172,25 @@ class Robot(Protocol):
         """As `act`, with the whole decision."""
         ...
 
-    def decide_many(
-        self, windows: IntArray, human_inputs: IntArray, beliefs: FloatArray
-    ) -> Decisions:
-        """Decide in ``N`` situations at once, each as `decide` would.
-
-        Args:
-            windows: ``[N]`` indices in ``model.windows``, none of which ends in a goal.
-            human_inputs: ``[N]`` inputs, `NO_INPUT` where there was none.
-            beliefs: ``[N, A, M]`` the belief in each before the input.
-        """
-        ...
-
     def action_values(self, decision: Decision) -> FloatArray:
         """``[A_r]`` expected discounted reward of each action in the situation of ``decision``."""
         ...
 
 
-def require_situation(model: SharedAutonomy, state: int, human_input: int | None) -> None:
+def require_situation(model: Model, state: int, human_input: int | None) -> None:
     """Raise ValueError unless a decision can be taken in ``state`` after ``human_input``."""
     world = model.world
     if not 0 <= state < world.states:
         raise ValueError(f"state {state} is not one of 0 to {world.states - 1}")
     if world.ends[state]:
         raise ValueError(f"the task has ended: {world.state_names[state]} is a goal")
-    inputs = len(model.interface)
+    inputs = len(model.input_names)
     if human_input is not None and not 0 <= human_input < inputs:
         raise ValueError(f"input {human_input} is not one of 0 to {inputs - 1}")
 
 
 def one_situation(
-    model: SharedAutonomy,
+    model: Model,
     state: int,
     human_input: int | None,
     belief: FloatArray,
@@ -196,6 +206,6 @@ def one_situation(
         ValueError: if no decision can be taken there.
     """
     require_situation(model, state, human_input)
-    window = model.windows.locate(expected, state)
+    window = locate(model.windows, expected, state)
     given = NO_INPUT if human_input is None else human_input
     return np.array([window]), np.array([given]), belief[None]

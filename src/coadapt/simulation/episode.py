@@ -8,7 +8,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from coadapt.arrays import FloatArray, IntArray
-from coadapt.robots import NO_INPUT, Decision, Decisions, Robot
+from coadapt.formalism import Model
+from coadapt.robots import NO_INPUT, Decider, Decision, Decisions
 from coadapt.robots.robot import require_situation
 
 UNKNOWN_MODE = -1
@@ -18,9 +19,10 @@ Outcome = Callable[[Decisions], IntArray]
 """Says which of its outcomes each decided action has, ``[K]``, where moves are uncertain."""
 
 
-def only_outcome(decisions: Decisions) -> IntArray:
-    """The outcome of actions that have but one."""
-    return np.zeros(len(decisions), dtype=np.int64)
+def only_outcome(model: Model, decisions: Decisions) -> IntArray:
+    """``[K]`` the outcome of actions that have but one."""
+    chances = model.outcome_chances(decisions.state, decisions.action, decisions.human_input)
+    return chances.argmax(axis=1)
 
 
 @dataclass(frozen=True)
@@ -93,7 +95,7 @@ class Trials:
 
     def __init__(
         self,
-        robot: Robot,
+        robot: Decider,
         n: int,
         belief: FloatArray | None = None,
         starts: IntArray | None = None,
@@ -122,7 +124,7 @@ class Trials:
         trials: IntArray,
         human_inputs: IntArray,
         modes: IntArray,
-        outcome: Outcome = only_outcome,
+        outcome: Outcome | None = None,
     ) -> Decisions:
         """One time step in some of the trials: the input, the decision, the move of the world.
 
@@ -130,15 +132,16 @@ class Trials:
             trials: ``[K]`` which trials, all of them running.
             human_inputs: ``[K]`` the input in each, `NO_INPUT` where there was none.
             modes: ``[K]`` the partner's mode behind it, `UNKNOWN_MODE` where it is not known.
-            outcome: which outcomes the actions have.
+            outcome: which outcomes the actions have; not needed where they have but one.
         """
         decisions = self.robot.decide_many(self.window[trials], human_inputs, self._belief[trials])
         for k, i in enumerate(map(int, trials)):
             self._decisions[i].append(decisions[k])
             self._modes[i].append(int(modes[k]))
         self._belief[trials] = decisions.forecast
-        following = self.robot.model.windows.next
-        self.window[trials] = following[decisions.window, decisions.action, outcome(decisions)]
+        model = self.robot.model
+        which = only_outcome(model, decisions) if outcome is None else outcome(decisions)
+        self.window[trials] = model.windows.next[decisions.window, decisions.action, which]
         return decisions
 
     def episode(self, i: int) -> Episode:
@@ -172,7 +175,7 @@ class Trial:
     """
 
     def __init__(
-        self, robot: Robot, belief: FloatArray | None = None, start: int | None = None
+        self, robot: Decider, belief: FloatArray | None = None, start: int | None = None
     ) -> None:
         self._trials = Trials(robot, 1, belief, None if start is None else np.array([start]))
         self.robot = robot
@@ -192,14 +195,14 @@ class Trial:
         self,
         human_input: int | None,
         mode: int = UNKNOWN_MODE,
-        outcome: Outcome = only_outcome,
+        outcome: Outcome | None = None,
     ) -> Decision:
         """One time step.
 
         Args:
             human_input: index of the input, or None.
             mode: the partner's mode behind it, where known, for the record.
-            outcome: which outcome the action has.
+            outcome: which outcome the action has; not needed where it has but one.
 
         Raises:
             ValueError: if the input is out of range or the trial is done.

@@ -16,7 +16,7 @@ import numpy as np
 
 from coadapt.arrays import FloatArray, IntArray
 from coadapt.human import filter as human_filter
-from coadapt.robots import NO_INPUT, Decisions, Robot
+from coadapt.robots import NO_INPUT, Decider, Decisions
 from coadapt.simulation.partner import SimulatedPartner
 
 SAME_BELIEF = 10
@@ -79,7 +79,7 @@ class Visits:
 
 
 def evaluate(
-    robot: Robot,
+    robot: Decider,
     partner: SimulatedPartner,
     *,
     tolerance: float = TOLERANCE,
@@ -102,7 +102,7 @@ def evaluate(
 
 
 def evaluate_all(
-    robot: Robot,
+    robot: Decider,
     partners: Sequence[SimulatedPartner],
     *,
     tolerance: float = TOLERANCE,
@@ -120,7 +120,7 @@ def evaluate_all(
 
 
 def _evaluate(
-    robot: Robot, partners: Sequence[SimulatedPartner], threshold: float, max_steps: int
+    robot: Decider, partners: Sequence[SimulatedPartner], threshold: float, max_steps: int
 ) -> tuple[list[Evaluation], bool]:
     """The evaluations, and whether ``max_steps`` rather than the threshold ended the expansion."""
     model, world = robot.model, robot.model.world
@@ -139,7 +139,7 @@ def _evaluate(
         disagreement += seen
         overridden += mass[(taken.asked >= 0) & (taken.asked != taken.action)].sum(axis=0)
         reached = world.goal_of[world.outcomes[taken.state, taken.action]]  # [N, outcomes]
-        chance = world.outcome_chances[taken.state, taken.action]
+        chance = model.outcome_chances(taken.state, taken.action, taken.human_input)
         arrives = (reached[:, :, None] == np.arange(goals)) * chance[:, :, None]
         arrived = np.einsum("np,nog->pg", mass, arrives)
         goal_probability += arrived
@@ -167,7 +167,7 @@ def _evaluate(
 
 
 def expand(
-    robot: Robot,
+    robot: Decider,
     *partners: SimulatedPartner,
     threshold: float = FIRST_THRESHOLD * TOLERANCE,
     max_steps: int = MAX_STEPS,
@@ -185,7 +185,7 @@ def expand(
         The distinct decisions of each time step.
     """
     model, world, windows = robot.model, robot.model.world, robot.model.windows
-    starts, inputs = world.start_chances, len(model.interface)
+    starts, inputs = world.start_chances, len(model.input_names)
     alpha = _adaptabilities(partners, len(world.goals))
     robot.reset()
     window = windows.beginning[list(starts)]
@@ -206,9 +206,10 @@ def expand(
         seen = seen[where, observed]
         yield Visits(step, decisions, seen)
         perceived = model.perceived[decisions.window, decisions.action]
+        kept = seen @ model.kept_modes(decisions.window, decisions.action)
         # The partners' modes move as a belief over them would, Eq. 3-4.
-        moved = human_filter.predict(seen, alpha, perceived, None)
-        chance = world.outcome_chances[decisions.state, decisions.action]
+        moved = human_filter.predict(kept, alpha, perceived, None)
+        chance = model.outcome_chances(decisions.state, decisions.action, decisions.human_input)
         which, outcome = np.nonzero(chance > 0)
         reached = windows.next[decisions.window, decisions.action][which, outcome]
         moved = moved[which] * chance[which, outcome][:, None, None]

@@ -9,7 +9,7 @@ from typing import Protocol
 import numpy as np
 
 from coadapt.arrays import FloatArray
-from coadapt.formalism import SharedAutonomy
+from coadapt.formalism import Model
 
 
 class Partner(Protocol):
@@ -19,18 +19,16 @@ class Partner(Protocol):
     loop holds. `mode` is the index of the goal it is heading for.
     """
 
-    def first_mode(self, model: SharedAutonomy, rng: np.random.Generator) -> int:
+    def first_mode(self, model: Model, rng: np.random.Generator) -> int:
         """The mode at the start of an episode."""
         ...
 
-    def act(
-        self, model: SharedAutonomy, state: int, mode: int, rng: np.random.Generator
-    ) -> int | None:
+    def act(self, model: Model, state: int, mode: int, rng: np.random.Generator) -> int | None:
         """The input in robot state ``state``, or None for no input."""
         ...
 
     def next_mode(
-        self, model: SharedAutonomy, window: int, mode: int, action: int, rng: np.random.Generator
+        self, model: Model, window: int, mode: int, action: int, rng: np.random.Generator
     ) -> int:
         """The mode after the robot took ``action``, with the last steps in ``model.windows``."""
         ...
@@ -67,7 +65,7 @@ class SimulatedPartner:
             raise ValueError(f"adaptability is given for {alpha.size} goals, expected {goals}")
         return np.broadcast_to(alpha, (goals,))
 
-    def mode_distribution(self, model: SharedAutonomy) -> FloatArray:
+    def mode_distribution(self, model: Model) -> FloatArray:
         """``[M]`` distribution of the first mode.
 
         Raises:
@@ -81,26 +79,27 @@ class SimulatedPartner:
             raise ValueError(f"mode {self.mode} is not one of 0 to {modes - 1}")
         return np.eye(modes)[self.mode]
 
-    def first_mode(self, model: SharedAutonomy, rng: np.random.Generator) -> int:
+    def first_mode(self, model: Model, rng: np.random.Generator) -> int:
         """The given mode, or a draw from the model's prior."""
         return draw(self.mode_distribution(model), rng)
 
-    def act(
-        self, model: SharedAutonomy, state: int, mode: int, rng: np.random.Generator
-    ) -> int | None:
+    def act(self, model: Model, state: int, mode: int, rng: np.random.Generator) -> int | None:
         """An input, or None, drawn for the human half of the modal policy."""
         drawn = draw(model.input_likelihood[state, :, mode], rng)
-        return drawn if drawn < len(model.interface) else None
+        return drawn if drawn < len(model.input_names) else None
 
     def next_mode(
-        self, model: SharedAutonomy, window: int, mode: int, action: int, rng: np.random.Generator
+        self, model: Model, window: int, mode: int, action: int, rng: np.random.Generator
     ) -> int:
         """Switch to the perceived robot mode with probability alpha (Eq. 3-4)."""
         perceived = draw(model.perceived[window, action], rng)
         alpha = self.adaptability
         if not isinstance(alpha, float | int):
             alpha = alpha[perceived]
-        return perceived if rng.random() < alpha else mode
+        if rng.random() < alpha:
+            return perceived
+        kept = model.kept_modes(window, action)[mode]
+        return mode if kept[mode] == 1 else draw(kept, rng)
 
 
 def draw(distribution: FloatArray, rng: np.random.Generator) -> int:

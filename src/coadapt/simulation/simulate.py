@@ -10,10 +10,10 @@ from multiprocessing import get_context
 import numpy as np
 
 from coadapt.arrays import IntArray
-from coadapt.robots import NO_INPUT, Decisions, Robot
-from coadapt.simulation.episode import Episode, Trials, only_outcome
+from coadapt.formalism import Model
+from coadapt.robots import NO_INPUT, Decider, Decisions
+from coadapt.simulation.episode import Episode, Trials
 from coadapt.simulation.partner import Partner, draw
-from coadapt.worlds import World
 
 MAX_STEPS = 1000
 """An episode that reaches no goal ends here."""
@@ -22,7 +22,7 @@ BATCHES_PER_PROCESS = 4
 
 
 def simulate(
-    robot: Robot,
+    robot: Decider,
     partner: Partner,
     n: int,
     rng: np.random.Generator,
@@ -59,10 +59,10 @@ def simulate(
 
 
 def _run(
-    robot: Robot, partner: Partner, generators: Sequence[np.random.Generator], max_steps: int
+    robot: Decider, partner: Partner, generators: Sequence[np.random.Generator], max_steps: int
 ) -> list[Episode]:
     model, world = robot.model, robot.model.world
-    starts = np.array([_draw_start(world, rng) for rng in generators], dtype=np.int64)
+    starts = np.array([_draw_start(model, rng) for rng in generators], dtype=np.int64)
     trials = Trials(robot, len(generators), starts=starts)
     modes = np.array([partner.first_mode(model, rng) for rng in generators], dtype=np.int64)
     for _ in range(max_steps):
@@ -76,9 +76,9 @@ def _run(
                 for i, x in zip(map(int, running), map(int, states), strict=True)
             ]
         )
-        outcome = only_outcome
+        outcome = None
         if not world.is_deterministic:
-            outcome = partial(_draw_outcomes, world, [generators[i] for i in running])
+            outcome = partial(_draw_outcomes, model, [generators[i] for i in running])
         actions = trials.step(running, inputs, modes[running], outcome).action
         modes[running] = [
             partner.next_mode(model, w, int(modes[i]), a, generators[i])
@@ -87,18 +87,18 @@ def _run(
     return [trials.episode(i) for i in range(len(generators))]
 
 
-def _draw_start(world: World, rng: np.random.Generator) -> int:
+def _draw_start(model: Model, rng: np.random.Generator) -> int:
     """The first state of an episode; nothing is drawn where there is but one."""
-    starts = world.start_chances
+    starts = model.world.start_chances
     if len(starts) == 1:
-        return world.start
+        return model.world.start
     return list(starts)[draw(np.array(list(starts.values())), rng)]
 
 
 def _draw_outcomes(
-    world: World, generators: Sequence[np.random.Generator], decisions: Decisions
+    model: Model, generators: Sequence[np.random.Generator], decisions: Decisions
 ) -> IntArray:
-    chances = world.outcome_chances[decisions.state, decisions.action]
+    chances = model.outcome_chances(decisions.state, decisions.action, decisions.human_input)
     return np.array([draw(row, rng) for row, rng in zip(chances, generators, strict=True)])
 
 
@@ -108,7 +108,7 @@ def _as_number(human_input: int | None) -> int:
 
 def _spread(
     executor: Executor,
-    robot: Robot,
+    robot: Decider,
     partner: Partner,
     generators: Sequence[np.random.Generator],
     max_steps: int,

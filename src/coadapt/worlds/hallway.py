@@ -26,7 +26,7 @@ def hallway(*, worse_reward: float = 10.0, better_reward: float = 11.0) -> Joint
     Returns:
         A world with 4 states, of index ``2 * human side + robot side``, and actions left (0) and
         right (1) of both, each from their own point of view. It starts with both on the same
-        side of the hallway, either one.
+        side of the hallway, either as likely.
     """
     # Their own left is the west (0) for the human and the east (1) for the robot.
     human_side, robot_side = np.array([0, 1]), np.array([1, 0])
@@ -38,7 +38,7 @@ def hallway(*, worse_reward: float = 10.0, better_reward: float = 11.0) -> Joint
             Goal("left", int(reached[0, 0]), worse_reward),
             Goal("right", int(reached[1, 1]), better_reward),
         ),
-        starts=(0, 3),
+        starts={0: 0.5, 3: 0.5},
         state_names=tuple(f"human {human} robot {robot}" for human in SIDES for robot in SIDES),
         action_names=("left", "right"),
         human_action_names=("left", "right"),

@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 
 from coadapt.arrays import BoolArray, FloatArray, IntArray
-from coadapt.worlds.world import UNREACHABLE, Goal
+from coadapt.worlds.world import NO_GOAL, UNREACHABLE, Goal
 
 
 @dataclass(frozen=True, eq=False)
@@ -20,7 +22,7 @@ class JointWorld:
             (``T: X_world x A_r x A_h -> X_world``, Sec. 2.3); a blocked move leads to its own
             state.
         goals: one mode each, in the order of the modes.
-        starts: states in which the task may begin, all as likely.
+        starts: probability of each state in which the task may begin.
         state_names: ``X`` labels.
         action_names: ``A_r`` labels of the robot's actions.
         human_action_names: ``A_h`` labels of the human's actions.
@@ -28,13 +30,13 @@ class JointWorld:
 
     Raises:
         ValueError: if an index is out of range, two goals share a state or a name, a start is a
-            goal or is given twice, or the numbers of names do not fit.
+            goal, the starts are no distribution, or the numbers of names do not fit.
     """
 
     name: str
     moves: IntArray
     goals: tuple[Goal, ...]
-    starts: tuple[int, ...]
+    starts: Mapping[int, float]
     state_names: tuple[str, ...] = field(repr=False)
     action_names: tuple[str, ...]
     human_action_names: tuple[str, ...]
@@ -42,7 +44,7 @@ class JointWorld:
 
     def __post_init__(self) -> None:
         if self.moves.ndim != 3:
-            raise ValueError(f"moves must have 3 axes [X, A_r, A_h], not {self.moves.ndim}")
+            raise ValueError(f"moves have shape {self.moves.shape}, expected [X, A_r, A_h]")
         states, actions, human_actions = self.moves.shape
         if self.moves.min(initial=0) < 0 or self.moves.max(initial=0) >= states:
             raise ValueError(f"moves must lead to states 0 to {states - 1}")
@@ -56,20 +58,22 @@ class JointWorld:
             raise ValueError(f"positions have shape {self.positions.shape}, not {(states, 2)}")
         if not self.goals:
             raise ValueError("a world needs at least one goal")
-        if not self.starts:
-            raise ValueError("a world needs at least one start")
         for where in (*self.starts, *self.goal_states):
             if not 0 <= where < states:
                 raise ValueError(f"state {where} is not one of 0 to {states - 1}")
-        if len(set(self.goal_states)) < len(self.goals):
+        for goal in self.goals:
+            if not goal.states:
+                raise ValueError(f"goal {goal.name} has no state")
+        if len(set(self.goal_states)) < len(self.goal_states):
             raise ValueError("two goals share a state")
         if len({goal.name for goal in self.goals}) < len(self.goals):
             raise ValueError("two goals share a name")
-        if len(set(self.starts)) < len(self.starts):
-            raise ValueError("a start is given twice")
         for start in self.starts:
             if start in self.goal_states:
                 raise ValueError(f"the start, {self.state_names[start]}, is a goal")
+        chances = np.array(list(self.starts.values()))
+        if not (np.all(chances > 0) and abs(chances.sum() - 1.0) <= 1e-9):
+            raise ValueError("starts must be positive probabilities that sum to 1")
 
     @property
     def states(self) -> int:
@@ -87,14 +91,42 @@ class JointWorld:
         return self.moves.shape[2]
 
     @property
-    def goal_states(self) -> tuple[int, ...]:
-        """The state of each goal."""
-        return tuple(goal.state for goal in self.goals)
+    def start(self) -> int:
+        """The first of the states in which the task may begin."""
+        return next(iter(self.starts))
 
     @property
+    def start_chances(self) -> Mapping[int, float]:
+        """The probability of each state in which the task may begin."""
+        return self.starts
+
+    @property
+    def is_deterministic(self) -> bool:
+        """Whether every pair of actions has one outcome."""
+        return True
+
+    @property
+    def outcomes(self) -> IntArray:
+        """``[X, A_r, N]`` the states a robot action may lead to: one for each human action."""
+        return self.moves
+
+    @property
+    def goal_states(self) -> tuple[int, ...]:
+        """The states of all goals, those of the first goal first."""
+        return tuple(state for goal in self.goals for state in goal.states)
+
+    @cached_property
+    def goal_of(self) -> IntArray:
+        """``[X]`` index of the goal in each state, or `NO_GOAL`."""
+        found = np.full(self.states, NO_GOAL)
+        for g, goal in enumerate(self.goals):
+            found[list(goal.states)] = g
+        return found
+
+    @cached_property
     def ends(self) -> BoolArray:
         """``[X]`` where the task ends."""
-        return np.isin(np.arange(self.states), self.goal_states)
+        return self.goal_of != NO_GOAL
 
     @property
     def optimal_goal(self) -> int:
@@ -103,7 +135,8 @@ class JointWorld:
 
     def goal_at(self, state: int) -> int | None:
         """Index of the goal in ``state``, or None."""
-        return next((g for g, goal in enumerate(self.goals) if goal.state == state), None)
+        goal = int(self.goal_of[state])
+        return None if goal == NO_GOAL else goal
 
     def distance(self, goal: int) -> IntArray:
         """``[X]`` fewest steps to goal ``goal`` past no other goal, if both want to go there.
@@ -111,7 +144,7 @@ class JointWorld:
         `UNREACHABLE` where there is no such path.
         """
         steps = np.full(self.states, UNREACHABLE, dtype=np.int64)
-        steps[self.goals[goal].state] = 0
+        steps[list(self.goals[goal].states)] = 0
         going = ~self.ends
         for count in range(1, self.states + 1):
             nearer = np.isin(self.moves, np.flatnonzero(steps == count - 1)).any(axis=(1, 2))

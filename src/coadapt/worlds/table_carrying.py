@@ -48,7 +48,7 @@ def table_carrying(
         name="table_carrying",
         moves=moves,
         goals=(Goal("left", 0, worse_reward), Goal("right", last, better_reward)),
-        starts=(last // 2,),
+        starts={last // 2: 1.0},
         state_names=tuple(f"orientation {i}" for i in range(last + 1)),
         action_names=("left", "right"),
         human_action_names=("left", "right"),
