@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 import coadapt as ca
 from coadapt import MOMDP, SharedAutonomy
 from coadapt.arrays import FloatArray
+from coadapt.human.remembered import locate
 from coadapt.momdp.check import MOMDPWarning, check_momdp
 from tests.formalism.recall import Past, Recall
 from tests.formalism.strategies import models
@@ -80,7 +81,7 @@ def one_step(
     """A random action, the past and the window after it."""
     a = int(rng.integers(model.world.actions))
     state = int(rng.choice(list(recall.moves(past.state, a))))
-    return a, past.then(a, state), model.windows.locate(model.windows.next[window, a], state)
+    return a, past.then(a, state), locate(model.windows, model.windows.next[window, a], state)
 
 
 @given(models(memory=4, goals=2, general=True), st.integers(0, 4), st.integers(0, 2**32))
