@@ -45,41 +45,50 @@ def render_html(found: Reproduction, svgs: Mapping[str, str], files: Sequence[st
             and ``bounds`` as SVG documents.
         files: names of the files that lie beside the page.
     """
-    environment = Environment(
+    world = found.settings.model.world
+    best, other = world.goals[world.optimal_goal], world.goals[found.first_mode]
+    policy, rule = found.robot("mutual_policy"), found.robot("mutual_rule")
+    apart = max(distances(policy, other.reward, best.reward))
+    return (
+        environment()
+        .get_template("report.html.j2")
+        .render(
+            version=__version__,
+            found=found,
+            settings=found.settings,
+            model=found.settings.model,
+            best=best,
+            other=other,
+            policy=policy,
+            rule=rule,
+            one_way=found.robot("one_way_rule"),
+            none=found.robot("none"),
+            apart=max(apart, *distances(rule, other.reward, best.reward)),
+            figure={name: inline_svg(text, name) for name, text in svgs.items()},
+            samples=[_sample(found, run) for run in found.samples],
+            performance_tables=[_performance(robot) for robot in (policy, rule)],
+            change_table=_changes(policy, rule),
+            condition_tables=_conditions(found),
+            identity_table=_identities(found.identities),
+            root_table=_roots(found),
+            parameter_table=_parameters(found),
+            likelihood=LIKELIHOOD,
+            files=files,
+        )
+    )
+
+
+def environment() -> Environment:
+    """The templates of all pages, with how they write numbers."""
+    made = Environment(
         loader=PackageLoader("coadapt.report", "templates"),
         autoescape=True,
         undefined=StrictUndefined,
         trim_blocks=True,
         lstrip_blocks=True,
     )
-    environment.filters.update(fixed=fixed, percent=percent, tiny=tiny)
-    world = found.settings.model.world
-    best, other = world.goals[world.optimal_goal], world.goals[found.first_mode]
-    policy, rule = found.robot("mutual_policy"), found.robot("mutual_rule")
-    apart = max(distances(policy, other.reward, best.reward))
-    return environment.get_template("report.html.j2").render(
-        version=__version__,
-        found=found,
-        settings=found.settings,
-        model=found.settings.model,
-        best=best,
-        other=other,
-        policy=policy,
-        rule=rule,
-        one_way=found.robot("one_way_rule"),
-        none=found.robot("none"),
-        apart=max(apart, *distances(rule, other.reward, best.reward)),
-        figure={name: inline_svg(text, name) for name, text in svgs.items()},
-        samples=[_sample(found, run) for run in found.samples],
-        performance_tables=[_performance(robot) for robot in (policy, rule)],
-        change_table=_changes(policy, rule),
-        condition_tables=_conditions(found),
-        identity_table=_identities(found.identities),
-        root_table=_roots(found),
-        parameter_table=_parameters(found),
-        likelihood=LIKELIHOOD,
-        files=files,
-    )
+    made.filters.update(fixed=fixed, percent=percent, tiny=tiny)
+    return made
 
 
 def fixed(value: float, digits: int = 3) -> str:
