@@ -12,53 +12,15 @@ from hypothesis import strategies as st
 from coadapt.arrays import FloatArray
 from coadapt.formalism.collaboration import Collaboration
 from coadapt.human import Adaptability
-from coadapt.human.mode_pairs import TIES
 from coadapt.momdp import MOMDP
 from coadapt.momdp.check import MOMDPWarning, check_momdp
 from coadapt.worlds.hallway import hallway
 from coadapt.worlds.table_carrying import table_carrying
 from tests.formalism.joint_recall import JointRecall, Step
+from tests.formalism.joint_strategies import collaborations
 from tests.momdp.problems import joint
-from tests.momdp.strategies import random_rows
-from tests.worlds.joint_strategies import joint_worlds
 
 IGNORE_UNREACHED = f"ignore::{MOMDPWarning.__module__}.{MOMDPWarning.__name__}"
-
-
-@st.composite
-def collaborations(draw: st.DrawFn, *, states: int = 5, goals: int = 3) -> Collaboration:
-    """Everything random: modes seen or hidden, adaptability by goal or not, fixed or not."""
-    world = draw(joint_worlds(states=states, goals=goals))
-    hidden_modes = draw(st.booleans(), label="modes are hidden")
-    levels = draw(st.integers(1, 3), label="levels of adaptability")
-    by_goal = draw(st.booleans(), label="adaptability by goal")
-    fixed = draw(st.booleans(), label="adaptability is fixed")
-    rng = np.random.default_rng(draw(st.integers(0, 2**32), label="seed"))
-    modes, (size, actions, human_actions) = len(world.goals), world.moves.shape
-    if hidden_modes:
-        robot = random_rows(rng, (modes, size, actions), 0.4)
-        human = random_rows(rng, (modes, size, human_actions), 0.4)
-    else:
-        # The robot's action may be the same in several modes, the human's is not.
-        robot = np.eye(actions)[rng.integers(actions, size=(modes, size))]
-        choice = np.stack([rng.permutation(human_actions)[:modes] for _ in range(size)], axis=1)
-        human = np.eye(human_actions)[choice]
-    values = rng.random((levels, modes)) if by_goal else np.sort(rng.random(levels))
-    return Collaboration(
-        world,
-        memory=draw(st.integers(1, 3), label="memory"),
-        adaptability=Adaptability.over(
-            values,
-            prior=random_rows(rng, (levels,), 0.0),
-            transition=None if fixed else random_rows(rng, (levels, levels), 0.3),
-        ),
-        mode_prior=random_rows(rng, (modes,), 0.0).tolist(),
-        hidden_modes=hidden_modes,
-        ties=draw(st.sampled_from(TIES), label="ties"),
-        discount=float(rng.uniform(0, 0.95)),
-        robot_policies=robot,
-        human_policies=human,
-    )
 
 
 @given(collaborations(), st.integers(0, 2**32))
