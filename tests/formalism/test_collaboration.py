@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -9,6 +10,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+import coadapt as ca
 from coadapt.arrays import FloatArray
 from coadapt.formalism.collaboration import Collaboration
 from coadapt.human import Adaptability
@@ -202,3 +204,23 @@ SAME = np.tile([1.0, 0.0], (2, 14, 1))
 def test_bad_parameters_are_refused(parameters: dict[str, Any], message: str) -> None:
     with pytest.raises(ValueError, match=message):
         Collaboration(TABLE, **parameters)
+
+
+@pytest.mark.parametrize(
+    "model",
+    [
+        Collaboration(table_carrying(), observed="closed"),
+        Collaboration(hallway(), observed="all"),
+        Collaboration(hallway(), hidden_modes=True),
+    ],
+    ids=["table_carrying", "hallway", "hallway with hidden modes"],
+)
+def test_a_written_problem_has_the_same_bounds(model: Collaboration, tmp_path: Path) -> None:
+    problem = model.to_momdp()
+    ca.write_pomdpx(problem, tmp_path / "task.pomdpx")
+    again = ca.read_pomdp(tmp_path / "task.pomdpx")
+    # A state for the end is added where the problem has none.
+    assert again.shape[0] == problem.shape[0] + bool(problem.terminal.any())
+    first, second = (ca.SARSOP(gap=1e-4).solve(p) for p in (problem, again))
+    assert second.lower == pytest.approx(first.lower, abs=1e-6)
+    assert second.upper == pytest.approx(first.upper, abs=1e-6)

@@ -19,7 +19,25 @@ def _table_clearing() -> MOMDP:
     return SharedAutonomy(table_clearing()).to_momdp()
 
 
-TASKS: dict[str, Callable[[], MOMDP]] = {"table_clearing": _table_clearing}
+def _table_carrying() -> MOMDP:
+    from coadapt.formalism import Collaboration
+    from coadapt.worlds import table_carrying
+
+    return Collaboration(table_carrying(), observed="closed").to_momdp()
+
+
+def _hallway() -> MOMDP:
+    from coadapt.formalism import Collaboration
+    from coadapt.worlds import hallway
+
+    return Collaboration(hallway(), observed="all").to_momdp()
+
+
+TASKS: dict[str, Callable[[], MOMDP]] = {
+    "table_clearing": _table_clearing,
+    "table_carrying": _table_carrying,
+    "hallway": _hallway,
+}
 """The tasks by their names."""
 
 
