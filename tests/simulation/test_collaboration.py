@@ -141,11 +141,16 @@ def test_an_episode_is_what_both_did(table: Collaborator) -> None:
     assert episode.overridden == 0
 
 
-def two_tasks(robot: Collaborator, alpha: float, rng: np.random.Generator) -> tuple[bool, float]:
-    """Whether the second of two tasks ends at the best goal, and the mean of alpha after it."""
+def after_tasks(
+    robot: Collaborator, alpha: float, rng: np.random.Generator, tasks: int
+) -> tuple[bool, float]:
+    """Whether the last of some tasks ends at the best goal, and the mean of alpha after it.
+
+    The person begins each task in their own mode, the robot with the belief so far.
+    """
     model, partner = robot.model, SimulatedPartner(alpha, mode=LEFT)
     belief, trial = model.prior, Trial(robot)
-    for _ in range(2):
+    for _ in range(tasks):
         trial, mode = Trial(robot, belief), LEFT
         while not trial.done:
             human_action = partner.act(model, trial.state, mode, rng)
@@ -160,14 +165,14 @@ def test_estimates_separate_those_who_adapt_from_those_who_do_not(table: Collabo
     # HRI 2016 estimated .85 for participants who adapted and .07 for those who did not. Here are
     # people of alpha 1 and 0 in two tasks with one belief. The estimates do not depend on chance:
     # alpha^2 after two switches, and (1 - alpha)^n after n insistent steps.
-    adapted, high = two_tasks(table, 1.0, rng)
+    adapted, high = after_tasks(table, 1.0, rng, 2)
     assert adapted
     assert high == pytest.approx(0.8333, abs=1e-4)
-    adapted, low = two_tasks(table, 0.0, rng)
+    adapted, low = after_tasks(table, 0.0, rng, 2)
     assert not adapted
     assert low < 0.1
     # People of all kinds, as the robot's prior has them: the groups stay apart.
-    people = [two_tasks(table, float(a), rng) for a in np.tile(table.model.alpha.values, 30)]
+    people = [after_tasks(table, float(a), rng, 2) for a in np.tile(table.model.alpha.values, 30)]
     estimates = [np.mean([mean for did, mean in people if did is group]) for group in (True, False)]
     assert estimates[0] > 0.6
     assert estimates[1] < 0.15

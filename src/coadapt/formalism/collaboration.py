@@ -23,7 +23,6 @@ from coadapt.human.adaptation import Adaptability, require_distribution
 from coadapt.human.modal import maximum_entropy_policy
 from coadapt.human.mode_pairs import NO_MODE, TIES, PairWindows, Ties
 from coadapt.human.robot_steps import StepWindows
-from coadapt.momdp.files.file_form import file_form
 from coadapt.momdp.model import MOMDP, Root
 from coadapt.momdp.transition import SparseTransition
 from coadapt.worlds.joint import JointWorld
@@ -269,7 +268,12 @@ class Collaboration:
             action_names=world.action_names,
             observation_names=("nothing",),
         )
-        return file_form(problem)[0] if self.observed == "closed" else problem
+        if self.observed != "closed":
+            return problem
+        # Imported now: who writes no file and wants no such state need not wait for the formats.
+        from coadapt.momdp.files.file_form import file_form  # noqa: PLC0415
+
+        return file_form(problem)[0]
 
 
 def _mode_shown(policies: FloatArray) -> IntArray:
