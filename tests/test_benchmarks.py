@@ -41,14 +41,21 @@ SARSOP finishing ...
 def modules() -> Any:
     sys.path.insert(0, str(BENCHMARKS))
     try:
+        import agreement
         import comparison
         import features
+        import growth
         import solve_report
         import solvers
     finally:
         sys.path.remove(str(BENCHMARKS))
     return SimpleNamespace(
-        comparison=comparison, features=features, solvers=solvers, report=solve_report
+        agreement=agreement,
+        comparison=comparison,
+        features=features,
+        growth=growth,
+        solvers=solvers,
+        report=solve_report,
     )
 
 
@@ -193,3 +200,23 @@ def test_plans_by_features_come_close(modules: Any) -> None:
     least, promised, _, blind = modules.features.follow(model, lambda states, actions: 0)
     assert least == 33
     assert blind < upper - 5e-3 < promised
+
+
+def test_problems_grow_as_predicted(modules: Any) -> None:
+    # Sec. 7: linear in 1/dt and in modes; the bound for memory counts what lies beyond goals too.
+    for row in modules.growth.rows():
+        if row.series == "memory":
+            assert 0.94 * row.predicted <= row.size <= row.predicted
+        else:
+            assert row.size == row.predicted
+
+
+def test_a_penalty_for_other_actions_overrides_fewer_inputs(modules: Any) -> None:
+    # The table in docs/explanation/match-rule-or-penalty.md, to its decimals.
+    model = ca.SharedAutonomy(ca.worlds.table_clearing())
+    plain = modules.agreement.evaluate(model, 0.0, rule=False)
+    priced = modules.agreement.evaluate(model, -0.1, rule=False)
+    for without, with_penalty in zip(plain, priced, strict=True):
+        assert with_penalty.overridden < without.overridden - 0.5
+        assert with_penalty.disagreement < without.disagreement
+    assert priced[0].overridden == pytest.approx(2.82, abs=0.05)
