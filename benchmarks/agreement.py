@@ -4,10 +4,10 @@
 
 Modal policies are stochastic, so robot and person may agree on the goal and not on the action. The
 paper's answer is the match rule (Sec. 5.3), of which the planner knows nothing; a penalty for
-disagreement between actions is left for future work. Both are tried on table clearing with users who
-begin in the left mode. Printed are expectations, exact but for at most 0.3 % of the episodes: the
-reward of the goal, the inputs overridden, the steps seen as disagreement between modes, the robot's
-actions, and the discounted return in the paper's reward.
+disagreement between actions is left for future work. Both are tried on table clearing with users
+who begin in the left mode. Printed are expectations, exact but for at most 0.3 % of the episodes:
+the reward of the goal, the inputs overridden, the steps seen as disagreement between modes, the
+robot's actions, and the discounted return in the paper's reward.
 """
 
 from __future__ import annotations
