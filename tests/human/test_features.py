@@ -13,8 +13,9 @@ from hypothesis import strategies as st
 
 import coadapt as ca
 from coadapt import SharedAutonomy
+from coadapt.human.enumeration import MOST_WINDOWS
 from coadapt.human.features import PerceivedMode, action_counts, feature_windows
-from coadapt.human.history import MOST_WINDOWS, NO_ACTION, NO_WINDOW
+from coadapt.human.history import NO_ACTION, NO_WINDOW
 from coadapt.momdp.check import MOMDPWarning, check_momdp
 from tests.formalism.strategies import models
 
@@ -91,7 +92,7 @@ def test_memories_out_of_range_are_refused(memory: int) -> None:
 
 def test_too_many_windows_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
     assert MOST_WINDOWS > 10
-    monkeypatch.setattr("coadapt.human.features.MOST_WINDOWS", 10)
+    monkeypatch.setattr("coadapt.human.enumeration.MOST_WINDOWS", 10)
     moves, ends = np.zeros((1, 2), dtype=np.int64), np.array([False])
     with pytest.raises(ValueError, match="more than 10 windows"):
         feature_windows(moves, [0], ends, 20, everything)

@@ -16,8 +16,16 @@ MOST_WINDOWS = 200_000
 Window = TypeVar("Window", bound=Hashable)
 
 
+def itself(window: Hashable) -> Hashable:
+    """Tells every window from every other."""
+    return window
+
+
 def enumerate_windows(
-    begin: Iterable[Window], following: Callable[[Window], Sequence[Window | None]], memory: int
+    begin: Iterable[Window],
+    following: Callable[[Window], Sequence[Window | None]],
+    memory: int,
+    key: Callable[[Window], Hashable] = itself,
 ) -> tuple[list[Window], IntArray]:
     """Everything that can follow.
 
@@ -25,6 +33,7 @@ def enumerate_windows(
         begin: windows to begin with. All that follows one of them gets its number before the next.
         following: the windows that may follow one, always as many; None where nothing does.
         memory: ``k``, for the message.
+        key: windows with the same key are taken for one, the first of them.
 
     Returns:
         The windows, and ``[W, F]`` the numbers of those that follow each, `NO_WINDOW` for None.
@@ -34,21 +43,22 @@ def enumerate_windows(
     """
     if not 1 <= memory <= LONGEST_MEMORY:
         raise ValueError(f"memory must be 1 to {LONGEST_MEMORY} steps, not {memory}")
-    number: dict[Window, int] = {}
+    number: dict[Hashable, int] = {}
     found: list[Window] = []
     follows: list[list[int]] = []
 
     def place(window: Window | None) -> int:
         if window is None:
             return NO_WINDOW
-        if window not in number:
+        name = key(window)
+        if name not in number:
             if len(found) == MOST_WINDOWS:
                 raise ValueError(
                     f"a memory of {memory} steps makes more than {MOST_WINDOWS:,} windows here"
                 )
-            number[window] = len(found)
+            number[name] = len(found)
             found.append(window)
-        return number[window]
+        return number[name]
 
     for window in begin:
         place(window)

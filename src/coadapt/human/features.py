@@ -16,14 +16,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from coadapt.arrays import BoolArray, FloatArray, IntArray
-from coadapt.human.history import (
-    LONGEST_MEMORY,
-    MOST_WINDOWS,
-    NO_ACTION,
-    NO_STATE,
-    NO_WINDOW,
-    Windows,
-)
+from coadapt.human.enumeration import enumerate_windows
+from coadapt.human.history import NO_ACTION, NO_STATE, NO_WINDOW, Windows
 
 Features = Callable[[Sequence[int], Sequence[int]], Hashable]
 """From the states of a window, oldest first, and the actions between them, one fewer."""
@@ -80,39 +74,31 @@ def feature_windows(
         Those that can be reached from the starts, also for ``k = 1``.
 
     Raises:
-        ValueError: if ``k`` is out of its range or there are more than `MOST_WINDOWS`.
+        ValueError: if ``k`` is out of its range or there are more than
+            `coadapt.human.enumeration.MOST_WINDOWS` windows.
     """
-    if not 1 <= memory <= LONGEST_MEMORY:
-        raise ValueError(f"memory must be 1 to {LONGEST_MEMORY} steps, not {memory}")
     outcomes = moves[:, :, None] if moves.ndim == 2 else moves
-    _, actions, branching = outcomes.shape
-    found: dict[tuple[int, Hashable], int] = {}
-    kept: list[_Window] = []
 
-    def number(window: _Window) -> int:
-        key = window.states[-1], features(window.states, window.actions)
-        if key not in found:
-            if len(kept) == MOST_WINDOWS:
-                raise ValueError(f"these features make more than {MOST_WINDOWS:,} windows here")
-            found[key] = len(kept)
-            kept.append(window)
-        return found[key]
+    def key(window: _Window) -> Hashable:
+        return window.states[-1], features(window.states, window.actions)
 
-    beginning = np.full(len(moves), NO_WINDOW)
-    for start in sorted(set(starts)):
-        beginning[start] = number(_Window((start,), (), ()))
-    following: list[IntArray] = []
-    # The list grows while it is gone through.
-    for w, window in enumerate(kept):
-        after = np.full((actions, branching), NO_WINDOW)
+    def following(window: _Window) -> list[_Window | None]:
         state = window.states[-1]
-        for a, n in np.ndindex(after.shape):
-            reached = int(outcomes[state, a, n])
+        after: list[_Window | None] = []
+        for (a, n), reached in np.ndenumerate(outcomes[state]):
             if ends[state]:
-                after[a, n] = w
-            elif reached != NO_STATE:
-                after[a, n] = number(window.then(a, n, reached, memory))
-        following.append(after)
+                after.append(window)
+            else:
+                is_one = reached != NO_STATE
+                after.append(window.then(a, n, int(reached), memory) if is_one else None)
+        return after
+
+    begin = [_Window((start,), (), ()) for start in sorted(set(starts))]
+    kept, follows = enumerate_windows(begin, following, memory, key)
+    number = {key(window): w for w, window in enumerate(kept)}
+    beginning = np.full(len(moves), NO_WINDOW)
+    for window in begin:
+        beginning[window.states[0]] = number[key(window)]
     taken = np.full((len(kept), memory - 1), NO_ACTION)
     chance = np.zeros((len(kept), memory - 1), dtype=np.int64)
     for w, window in enumerate(kept):
@@ -124,7 +110,7 @@ def feature_windows(
         actions=taken,
         outcomes=chance,
         state=np.array([window.states[-1] for window in kept]),
-        next=np.stack(following),
+        next=follows.reshape(-1, *outcomes.shape[1:]),
         beginning=beginning,
     )
 
