@@ -22,7 +22,8 @@ from collections import Counter
 from pathlib import Path
 
 SECONDS = 5.0
-"""Longest time that reading one file may take."""
+"""Longest time that reading one file may take, of the processor; a child that does nothing is ended
+some time after."""
 
 BYTES = 1 << 30
 """Memory that a child may map beyond what it has mapped after importing the readers."""
@@ -98,16 +99,16 @@ def child(directory: Path, names: list[str]) -> None:
     resource.setrlimit(resource.RLIMIT_AS, (mapped + BYTES, mapped + BYTES))
     for name in names:
         path = directory / name
-        start = time.perf_counter()
+        start = time.process_time()
         try:
             problem = read_pomdp(path) if path.suffix in PROBLEMS else read_policy(path)
-            seconds = time.perf_counter() - start
+            seconds = time.process_time() - start
             outcome = "model"
         except InputError as error:
-            problem, seconds = None, time.perf_counter() - start
+            problem, seconds = None, time.process_time() - start
             outcome = "error" if "\n" not in str(error) else "error of several lines"
         except Exception as error:
-            problem, seconds = None, time.perf_counter() - start
+            problem, seconds = None, time.process_time() - start
             outcome = f"{type(error).__name__}: {error}".replace("\n", " ")[:200]
         try:
             if isinstance(problem, MOMDP):
