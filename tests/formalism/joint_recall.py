@@ -7,8 +7,8 @@ from dataclasses import dataclass
 from coadapt.formalism.collaboration import Collaboration
 from coadapt.human import Adaptability
 
-Step = tuple[int, int, int]
-"""A state, the robot action and the human action taken there."""
+Step = tuple[int, int, int, int]
+"""A state, the robot action and the human action taken there, the state they led to."""
 
 Belief = dict[tuple[int, ...], float]
 """Weights of hidden states: (adaptability,), or (adaptability, mode) where modes are hidden."""
@@ -46,7 +46,29 @@ class JointRecall:
         return [(i,) for i in kinds]
 
     def state(self, steps: list[Step]) -> int:
-        return int(self.model.world.moves[steps[-1]]) if steps else self.start
+        return steps[-1][3] if steps else self.start
+
+    def following(
+        self, steps: list[Step], action: int, human_action: int
+    ) -> list[tuple[list[Step], float]]:
+        """The histories one step longer, with their probabilities."""
+        world, x = self.model.world, self.state(steps)
+        if world.chances is None:
+            return [
+                (
+                    [*steps, (x, action, human_action, int(world.moves[x, action, human_action]))],
+                    1.0,
+                )
+            ]
+        return [
+            ([*steps, (x, action, human_action, int(to))], float(chance))
+            for to, chance in zip(
+                world.moves[x, action, human_action],
+                world.chances[x, action, human_action],
+                strict=True,
+            )
+            if chance > 0
+        ]
 
     def done(self, steps: list[Step]) -> bool:
         return self.state(steps) in [goal.at for goal in self.model.world.goals]
@@ -89,8 +111,8 @@ class JointRecall:
         if not steps:
             return self.model.mode_prior[mode]
         recent = steps[-self.model.memory :]
-        own = self.frequent([self.shown(1, x, h) for x, _, h in recent])
-        robot = self.frequent([self.shown(0, x, a) for x, a, _ in recent])
+        own = self.frequent([self.shown(1, x, h) for x, _, h, _ in recent])
+        robot = self.frequent([self.shown(0, x, a) for x, a, _, _ in recent])
         if not robot:  # nothing seen of the robot
             robot = dict.fromkeys(self.modes, 1 / len(self.modes))
         return sum(
@@ -104,7 +126,7 @@ class JointRecall:
     def perceived(self, steps: list[Step]) -> list[float]:
         """Eq. 1-2, ``steps`` ending with the present one; its human action is not looked at."""
         weight = [1.0 for _ in self.modes]
-        for x, a, _ in steps[-self.model.memory :]:
+        for x, a, _, _ in steps[-self.model.memory :]:
             weight = [
                 w * float(self.model.modal_policies[0][m, x, a]) for m, w in enumerate(weight)
             ]
@@ -139,10 +161,10 @@ class JointRecall:
         parts = [world.state_names[self.state(steps)]]
         if not self.model.hidden_modes:
             named = {None: "none", **{m: goal.name for m, goal in enumerate(world.goals)}}
-            for x, a, h in steps[-self.model.memory :]:
+            for x, a, h, _ in steps[-self.model.memory :]:
                 parts.append(f"{named[self.shown(1, x, h)]}/{named[self.shown(0, x, a)]}")
             return ", ".join(parts)
-        for x, a, _ in steps[max(0, len(steps) - self.model.memory + 1) :]:
+        for x, a, _, _ in steps[max(0, len(steps) - self.model.memory + 1) :]:
             parts.append(f"{world.state_names[x]} {world.action_names[a]}")
         if steps:
             parts.append(f"human {world.human_action_names[steps[-1][2]]}")
@@ -162,11 +184,11 @@ class JointRecall:
                 mass = {y: p * self.human_chance(steps, y, h) for y, p in belief.items()}
                 if not any(mass.values()):
                     continue
-                later = [*steps, (self.state(steps), a, h)]
-                forecast = dict.fromkeys(belief, 0.0)
-                for y, p in mass.items():
-                    for y_next in forecast:
-                        forecast[y_next] += p * self.hidden_moves(later, y, y_next)
-                value += self.model.discount * self.best(forecast, later, horizon - 1)
+                for later, chance in self.following(steps, a, h):
+                    forecast = dict.fromkeys(belief, 0.0)
+                    for y, p in mass.items():
+                        for y_next in forecast:
+                            forecast[y_next] += chance * p * self.hidden_moves(later, y, y_next)
+                    value += self.model.discount * self.best(forecast, later, horizon - 1)
             values.append(value)
         return max(values)

@@ -21,7 +21,7 @@ def collaborations(draw: st.DrawFn, *, states: int = 5, goals: int = 3) -> Colla
     by_goal = draw(st.booleans(), label="adaptability by goal")
     fixed = draw(st.booleans(), label="adaptability is fixed")
     rng = np.random.default_rng(draw(st.integers(0, 2**32), label="seed"))
-    modes, (size, actions, human_actions) = len(world.goals), world.moves.shape
+    modes, (size, actions, human_actions) = len(world.goals), world.moves.shape[:3]
     if hidden_modes:
         robot = random_rows(rng, (modes, size, actions), 0.4)
         human = random_rows(rng, (modes, size, human_actions), 0.4)

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from itertools import product
 from pathlib import Path
 from typing import Any
 
@@ -51,21 +52,19 @@ def test_along_random_actions_the_problem_is_that_of_the_histories(
             assert not problem.reward[x].any()
             for a in recall.actions:
                 expected = np.zeros(moves.shape[2:])
-                for h in recall.human_actions:
-                    later = [*steps, (recall.state(steps), a, h)]
-                    for i, y in enumerate(recall.hidden):
-                        chance = recall.human_chance(steps, y, h)
-                        if chance == 0:
-                            continue
+                for h, (i, y) in product(recall.human_actions, enumerate(recall.hidden)):
+                    acts = recall.human_chance(steps, y, h)
+                    for later, chance in recall.following(steps, a, h) if acts > 0 else ():
                         x_next = named[recall.name(later)]
                         for j, y_next in enumerate(recall.hidden):
                             moved = recall.hidden_moves(later, y, y_next)
-                            expected[i, x_next, j] += chance * moved
+                            expected[i, x_next, j] += acts * chance * moved
                 np.testing.assert_allclose(moves[x, a], expected, atol=1e-12)
             # On with a human action that shows a mode, however unlikely it is.
             possible = np.flatnonzero(model.modal_policies[1][:, recall.state(steps)].any(axis=0))
             a, h = int(rng.integers(model.world.actions)), int(rng.choice(possible))
-            steps.append((recall.state(steps), a, h))
+            histories = recall.following(steps, a, h)
+            steps, _ = histories[int(rng.integers(len(histories)))]
 
 
 def best(problem: MOMDP, x: int, mass: FloatArray, horizon: int) -> float:
@@ -108,7 +107,8 @@ def test_the_planner_and_the_filter_hold_the_same_belief(model: Collaboration, s
         assert chances.sum() == pytest.approx(1.0, abs=1e-12)
         e = int(rng.choice(len(edges), p=chances / chances.sum()))
         x_next = int(problem.edge_next[edges[e]])
-        (h,) = np.flatnonzero(model.windows.next[x, a] == x_next)
+        (which,) = np.flatnonzero(model.windows.next[x, a] == x_next)
+        h = which // (model.windows.next.shape[2] // model.world.human_actions)
         here, action, human = np.array([x]), np.array([a]), np.array([h])
         corrected = model.correct(belief, here, human)
         belief = model.predict(corrected, here, action, human)

@@ -12,6 +12,7 @@ from hypothesis import strategies as st
 import coadapt as ca
 from coadapt import Collaboration, SimulatedPartner, evaluate, simulate
 from coadapt.human import Adaptability
+from coadapt.human.history import NO_STATE
 from coadapt.robots import Collaborator
 from coadapt.simulation import Trial
 from tests.formalism.joint_recall import JointRecall, Step
@@ -47,7 +48,7 @@ def enumerate_histories(robot: Collaborator, partner: SimulatedPartner, longest:
         sums[-1] += sum(person_is.values())
         robot.reset()
         state = recall.start
-        for x, _, h in steps:
+        for x, _, h, _ in steps:
             robot.decide(x, h)
         state = recall.state(steps)
         action = robot.plan(state)
@@ -55,12 +56,13 @@ def enumerate_histories(robot: Collaborator, partner: SimulatedPartner, longest:
             now = {y: p * recall.human_chance(steps, y, h) for y, p in person_is.items()}
             if not any(now.values()):
                 continue
-            later = [*steps, (state, action, h)]
-            moved = {
-                y_next: sum(p * recall.hidden_moves(later, y, y_next) for y, p in now.items())
-                for y_next in recall.hidden
-            }
-            go(recall, later, moved)
+            for later, chance in recall.following(steps, action, h):
+                moved = {
+                    y_next: chance
+                    * sum(p * recall.hidden_moves(later, y, y_next) for y, p in now.items())
+                    for y_next in recall.hidden
+                }
+                go(recall, later, moved)
 
     for start, chance in world.starts.items():
         recall = JointRecall(person, start)
@@ -123,6 +125,29 @@ def test_simulation_and_evaluation_agree(name: str, request: pytest.FixtureReque
     assert steps.mean() == pytest.approx(exact.steps, abs=4 * steps.std() / np.sqrt(n))
     missed = np.array([e.disagreement for e in episodes])
     assert missed.mean() == pytest.approx(exact.disagreement, abs=4 * missed.std() / np.sqrt(n))
+
+
+def test_a_table_that_slips() -> None:
+    # With probability 0.3 it does not turn although both push the same way.
+    table = ca.worlds.table_carrying(4)
+    stays = np.broadcast_to(np.arange(table.states)[:, None, None], table.moves.shape)
+    turns = table.moves != stays
+    world = replace(
+        table,
+        moves=np.stack([table.moves, np.where(turns, stays, NO_STATE)], axis=3),
+        chances=np.stack([np.where(turns, 0.7, 1.0), np.where(turns, 0.3, 0.0)], axis=3),
+    )
+    model = Collaboration(world, memory=2)
+    robot = Collaborator(model, ca.SARSOP(gap=1e-3).solve(model.to_momdp()).policy)
+    partner = SimulatedPartner(1.0, mode=RIGHT)
+    exact = evaluate(robot, partner)
+    # Three turns, each after 1 / 0.7 steps on average.
+    assert exact.goal_probability[RIGHT] == pytest.approx(1.0, abs=1e-3)
+    assert exact.steps == pytest.approx(3 / 0.7, abs=0.02)
+    episodes = simulate(robot, partner, 400, np.random.default_rng(0))
+    steps = np.array([e.steps for e in episodes])
+    assert steps.mean() == pytest.approx(3 / 0.7, abs=4 * steps.std() / 20)
+    assert {e.goal for e in episodes} == {RIGHT}
 
 
 def test_an_episode_is_what_both_did(table: Collaborator) -> None:

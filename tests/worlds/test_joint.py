@@ -13,23 +13,30 @@ from coadapt.worlds import Goal
 from coadapt.worlds.hallway import hallway
 from coadapt.worlds.joint import JointWorld
 from coadapt.worlds.table_carrying import table_carrying
-from coadapt.worlds.world import UNREACHABLE
 from tests.worlds.joint_strategies import joint_worlds
 
 LEFT, RIGHT = 0, 1
 
 
 @given(joint_worlds())
-def test_distances_are_those_of_paths_past_no_other_goal(world: JointWorld) -> None:
-    for g, goal in enumerate(world.goals):
-        # Fewest steps by Bellman's equation, swept until it holds.
-        steps = np.where(np.arange(world.states) == goal.at, 0.0, np.inf)
-        for _ in range(world.states):
-            for x in range(world.states):
-                if x not in world.goal_states:
-                    steps[x] = 1 + min(steps[y] for y in world.moves[x].ravel())
-        expected = np.where(np.isinf(steps), UNREACHABLE, steps)
-        np.testing.assert_array_equal(world.distance(g), expected)
+def test_moves_are_those_of_one_who_chooses_both_actions(world: JointWorld) -> None:
+    together = world.together
+    human_actions = len(world.human_action_names)
+    for x, a, h in np.ndindex(world.moves.shape[:3]):
+        found = dict(
+            zip(
+                together.outcomes[x, a * human_actions + h].tolist(),
+                together.outcome_chances[x, a * human_actions + h].tolist(),
+                strict=True,
+            )
+        )
+        here = world.outcomes.reshape(*world.moves.shape[:3], -1)[x, a, h].tolist()
+        assert found == dict(zip(here, world.outcome_chances[x, a, h].tolist(), strict=True))
+        if world.chances is None:
+            assert found == {int(world.moves[x, a, h]): 1.0}
+        else:
+            moves, chances = world.moves[x, a, h].tolist(), world.chances[x, a, h].tolist()
+            assert found == dict(zip(moves, chances, strict=True))
 
 
 def test_a_table_turns_when_both_push_the_same_way() -> None:
@@ -41,8 +48,8 @@ def test_a_table_turns_when_both_push_the_same_way() -> None:
     # It starts tilted towards the worse goal.
     assert [goal.name for goal in world.goals] == ["left", "right"]
     assert world.optimal_goal == RIGHT
-    assert world.distance(LEFT)[here] == 6
-    assert world.distance(RIGHT)[here] == 7
+    assert world.together.distance(LEFT)[here] == 6
+    assert world.together.distance(RIGHT)[here] == 7
     assert np.linalg.norm(world.positions, axis=1) == pytest.approx(1.0)
 
 
@@ -66,7 +73,8 @@ def test_they_pass_where_both_go_to_their_own_left_or_right(start: int) -> None:
         (dict(action_names=("left",)), "names for"),
         (dict(positions=np.zeros((2, 2))), "positions have shape"),
         (dict(goals=()), "at least one goal"),
-        (dict(starts={}), "sum to 1"),
+        (dict(chances=np.ones((14, 2, 2))), "chances need moves of shape"),
+        (dict(starts={}), "at least one start"),
         (dict(starts={3: 0.5}), "sum to 1"),
         (dict(starts={20: 1.0}), "state 20 is not one of 0 to 13"),
         (dict(starts={0: 1.0}), "the start, orientation 0, is a goal"),

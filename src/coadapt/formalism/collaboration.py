@@ -14,7 +14,7 @@ from typing import Literal, get_args
 
 import numpy as np
 
-from coadapt.arrays import FloatArray, IntArray
+from coadapt.arrays import BoolArray, FloatArray, IntArray
 from coadapt.formalism.hidden_modes import HiddenModes
 from coadapt.formalism.seen_modes import SeenModes
 from coadapt.formalism.shared_autonomy import PAPER_ADAPTABILITY
@@ -82,7 +82,7 @@ class Collaboration:
             raise ValueError(f"observed must be one of {', '.join(OBSERVED)}, not {self.observed}")
         if self.hidden_modes and self.observed == "all":
             raise ValueError("observed must be reached or closed where modes are hidden, not all")
-        modes, (states, *sizes) = len(self.world.goals), self.world.moves.shape
+        modes, (states, *sizes) = len(self.world.goals), self.world.moves.shape[:3]
         halves = ("robot", self.robot_policies), ("human", self.human_policies)
         for (name, half), actions in zip(halves, sizes, strict=True):
             if half is not None:
@@ -114,18 +114,16 @@ class Collaboration:
 
     def _towards(self, goal: int) -> FloatArray:
         """``[X, A_r, A_h]`` the default policy over pairs of actions."""
-        world = self.world
-        moves = world.moves.reshape(world.states, -1)
+        world = self.world.together
         if self.hidden_modes:
             states = world.goals[goal].states
             others = [x for x in world.goal_states if x not in states]
-            policy = maximum_entropy_policy(moves, states, self.step_cost, others)
+            policy = maximum_entropy_policy(
+                world.moves, states, self.step_cost, others, world.chances
+            )
         else:
-            steps = world.distance(goal)[moves]
-            steps[steps < 0] = world.states  # further away than anything
-            policy = np.zeros(moves.shape)
-            policy[np.arange(world.states), steps.argmin(axis=1)] = 1.0
-        return policy.reshape(world.moves.shape)
+            policy = np.eye(world.actions)[world.nearness(goal).argmax(axis=1)]
+        return policy.reshape(self.world.moves.shape[:3])
 
     @cached_property
     def modes(self) -> SeenModes | HiddenModes:
@@ -134,10 +132,12 @@ class Collaboration:
         robot, human = self.modal_policies
         likelihood = np.ascontiguousarray(np.moveaxis(human, 0, -1))
         if self.hidden_modes:
-            steps = StepWindows.of(world.moves, list(world.starts), world.ends, self.memory)
+            steps = StepWindows.of(
+                world.outcomes, list(world.starts), world.ends, self.memory, world.human_actions
+            )
             return HiddenModes(steps, self.alpha, self.mode_names, robot, likelihood)
         pairs = PairWindows.of(
-            world.moves,
+            world.outcomes,
             list(world.starts),
             world.ends,
             self.memory,
@@ -160,6 +160,11 @@ class Collaboration:
                     f"two modes have the same human action in {world.state_names[state]}: "
                     "modes cannot be seen there"
                 )
+
+    def after(self, window: IntArray, action: IntArray, human_action: IntArray) -> IntArray:
+        """``[K, N]`` the windows that pairs of actions may lead to, `NO_WINDOW` after the last."""
+        shape = (len(self.windows), self.world.actions, self.world.human_actions, -1)
+        return self.windows.next.reshape(shape)[window, action, human_action]
 
     @property
     def windows(self) -> PairWindows | StepWindows:
@@ -220,35 +225,38 @@ class Collaboration:
     def outcome_chances(
         self, state: IntArray, action: IntArray, human_input: IntArray
     ) -> FloatArray:
-        """``[K, A_h]``: an outcome of the robot's action is an action of the human."""
-        return np.eye(self.world.human_actions)[human_input]
+        """``[K, A_h * N]``: what an action of the robot leads to also depends on the human's."""
+        given = np.eye(self.world.human_actions)[human_input]
+        chances = self.world.outcome_chances[state, action]  # [K, A_h, N]
+        return (given[:, :, None] * chances).reshape(len(state), -1)
 
     def to_momdp(self) -> MOMDP:
         """The planning problem. Observed states are the `windows`, there is one observation.
 
-        An edge of ``(x, a_r)`` belongs to a human action; its map is the joint probability of that
-        action and the next hidden state.
+        An edge of ``(x, a_r)`` belongs to a human action and an outcome; its map is the joint
+        probability of these and the next hidden state.
         """
         world, windows, modes = self.world, self.windows, self.modes
-        ends = world.ends[windows.state]
-        chance = modes.human_chance  # [W, A_h, Y]
+        acts = modes.human_chance  # [W, A_h, Y]
         change, which = modes.change
-        count, actions, human_actions = windows.next.shape
-        hidden = chance.shape[2]
-        rows, row = np.unique(chance.reshape(-1, hidden), axis=0, return_inverse=True)
-        taken = (chance > 0).any(axis=2) & ~ends[:, None]
-        edge = np.nonzero(np.repeat(taken[:, None], actions, axis=1))
-        x, a, h = edge
-        used, edge_map = np.unique(
-            row.reshape(count, human_actions)[x, h] * len(change) + which[x, a],
-            return_inverse=True,
-        )
-        maps = rows[used // len(change)][:, :, None] * change[used % len(change)]
+        count, human_actions, hidden = acts.shape
+        actions = world.actions
+        rows, row = np.unique(acts.reshape(-1, hidden), axis=0, return_inverse=True)
+        outcome = world.outcome_chances[windows.state]  # [W, A_r, A_h, N]
+        going: BoolArray = (acts > 0).any(axis=2) & ~world.ends[windows.state][:, None]  # [W, A_h]
+        possible = (outcome > 0) & going[:, None, :, None]
+        x, a, h, _ = np.nonzero(possible)
+        # Maps are alike where the human's chances, the change and the outcome's chance are.
+        kind = row.reshape(count, human_actions)[x, h] * len(change) + which[x, a]
+        parts: FloatArray = np.column_stack([kind.astype(np.float64), outcome[possible]])
+        parts, edge_map = np.unique(parts, axis=0, return_inverse=True)
+        first, second = np.divmod(parts[:, 0].astype(np.int64), len(change))
+        maps = (parts[:, 1, None] * rows[first])[:, :, None] * change[second]
         edges = np.bincount(x * actions + a, minlength=count * actions)
         problem = MOMDP(
             edge_start=np.concatenate(([0], np.cumsum(edges))),
-            edge_next=windows.next[edge],
-            edge_map=edge_map,
+            edge_next=windows.next[possible.reshape(windows.next.shape)],
+            edge_map=edge_map.ravel(),
             transition=SparseTransition.from_dense(maps),
             observation=np.ones((1, hidden, 1)),
             observation_index=np.zeros((actions, count), dtype=np.int64),

@@ -37,6 +37,11 @@ class SeenModes:
     likelihood: FloatArray
     ties: Ties
 
+    @property
+    def branching(self) -> int:
+        """``N``, the number of outcomes that a pair of actions may have."""
+        return self.windows.next.shape[2] // self.likelihood.shape[1]
+
     @cached_property
     def stays(self) -> FloatArray:
         """``[W, M]`` the mode of somebody who does not adapt: their own most frequent one."""
@@ -56,7 +61,7 @@ class SeenModes:
     @cached_property
     def perceived(self) -> FloatArray:
         """``[W, A_r, M]``: `sees` once the robot has taken an action."""
-        # It is the same after each human action.
+        # It is the same after each human action and outcome.
         return self.sees[self.windows.next.max(axis=2)]
 
     @cached_property
@@ -71,8 +76,8 @@ class SeenModes:
     def kept_modes(self, window: int | IntArray, action: int | IntArray) -> FloatArray:
         """``[..., M, M]``: what `stays` becomes by one more action in each mode."""
         acts = self.likelihood[self.windows.state[window]].argmax(axis=-2)  # [..., M]
-        following = self.windows.next[window, action]  # [..., A_h]
-        return self.stays[np.take_along_axis(following, acts, axis=-1)]
+        first = self.windows.next[window, action][..., :: self.branching]  # [..., A_h]
+        return self.stays[np.take_along_axis(first, acts, axis=-1)]
 
     @property
     def hidden_names(self) -> tuple[str, ...]:
@@ -109,4 +114,6 @@ class SeenModes:
     ) -> FloatArray:
         """``[..., A, M]`` before the next human action. Alpha changes first, then the mode."""
         alpha = belief.sum(axis=-1) @ self.alpha.transition
-        return alpha[..., None] * self.mode_chance[self.windows.next[window, action, human_action]]
+        # Which outcome their actions had says nothing about the mode.
+        reached = self.windows.next[window, action, human_action * self.branching]
+        return alpha[..., None] * self.mode_chance[reached]

@@ -20,7 +20,7 @@ import numpy as np
 
 from coadapt.arrays import BoolArray, FloatArray, IntArray
 from coadapt.human.enumeration import enumerate_windows
-from coadapt.human.history import NO_WINDOW
+from coadapt.human.history import NO_STATE, NO_WINDOW
 
 NO_MODE = -1
 """The mode of an action that none or several of the modes would take."""
@@ -71,8 +71,9 @@ class PairWindows:
         human_modes, robot_modes: ``[W, k]`` the modes seen, oldest first; `NO_MODE` after the last
             one where there were fewer than ``k`` steps, and where an action showed no mode.
         length: ``[W]`` number of steps in each window.
-        next: ``[W, A_r, A_h]`` the window after a pair of actions, `NO_WINDOW` where the human
-            action shows no mode. A window whose state ends the task stays.
+        next: ``[W, A_r, A_h * N]`` the window after each outcome of a pair of actions, `NO_WINDOW`
+            where there is none or the human action shows no mode. A window whose state ends the
+            task stays.
         beginning: ``[X]`` the window without pairs in each state, or `NO_WINDOW`.
     """
 
@@ -99,7 +100,8 @@ class PairWindows:
         """The windows of a task.
 
         Args:
-            moves: ``[X, A_r, A_h]`` the state that each pair of actions leads to.
+            moves: ``[X, A_r, A_h * N]`` the states that each pair of actions may lead to, those of
+                one human action side by side and filled up with `NO_STATE`.
             starts: the first states.
             ends: ``[X]`` where the task ends.
             memory: ``k``.
@@ -112,7 +114,8 @@ class PairWindows:
             ValueError: if ``k`` is out of its range, or there are more than
                 `coadapt.human.enumeration.MOST_WINDOWS` windows.
         """
-        human_actions = moves.shape[2]
+        outcomes: int = moves.shape[2]
+        branching = outcomes // human_mode.shape[1]
 
         def following(window: _Window) -> list[_Window | None]:
             state, pairs = window
@@ -120,9 +123,10 @@ class PairWindows:
                 return [window] * moves[state].size
             after: list[_Window | None] = []
             for where, to in enumerate(moves[state].ravel().tolist()):
-                a, h = divmod(where, human_actions)
-                pair = (int(human_mode[state, h]), int(robot_mode[state, a]))
-                after.append(None if pair[0] == NO_MODE else (to, (*pairs, pair)[-memory:]))
+                a, outcome = divmod(where, outcomes)
+                pair = (int(human_mode[state, outcome // branching]), int(robot_mode[state, a]))
+                impossible = to == NO_STATE or pair[0] == NO_MODE
+                after.append(None if impossible else (to, (*pairs, pair)[-memory:]))
             return after
 
         begin: Iterator[_Window] = ((start, ()) for start in starts)

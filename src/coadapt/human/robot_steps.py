@@ -16,7 +16,7 @@ import numpy as np
 
 from coadapt.arrays import BoolArray, IntArray
 from coadapt.human.enumeration import enumerate_windows
-from coadapt.human.history import NO_ACTION, NO_WINDOW
+from coadapt.human.history import NO_ACTION, NO_STATE, NO_WINDOW
 
 _Steps = tuple[tuple[int, int], ...]
 """States and the robot's actions there, oldest first."""
@@ -35,8 +35,8 @@ class StepWindows:
         past_states, past_actions: ``[W, k - 1]`` the states before and the robot's actions there,
             oldest first; state 0 and `NO_ACTION` after the last one where there were fewer.
         human_action: ``[W]`` the human action that led here, `NO_ACTION` at the start.
-        next: ``[W, A_r, A_h]`` the window after a pair of actions. A window whose state ends the
-            task stays.
+        next: ``[W, A_r, A_h * N]`` the window after each outcome of a pair of actions, `NO_WINDOW`
+            where there is none. A window whose state ends the task stays.
         beginning: ``[X]`` the window without a past in each state, or `NO_WINDOW`.
     """
 
@@ -49,29 +49,42 @@ class StepWindows:
     beginning: IntArray
 
     @classmethod
-    def of(cls, moves: IntArray, starts: Sequence[int], ends: BoolArray, memory: int) -> Self:
+    def of(
+        cls,
+        moves: IntArray,
+        starts: Sequence[int],
+        ends: BoolArray,
+        memory: int,
+        human_actions: int,
+    ) -> Self:
         """The windows of a task.
 
         Args:
-            moves: ``[X, A_r, A_h]`` the state that each pair of actions leads to.
+            moves: ``[X, A_r, A_h * N]`` the states that each pair of actions may lead to, those of
+                one human action side by side and filled up with `NO_STATE`.
             starts: the first states.
             ends: ``[X]`` where the task ends.
             memory: ``k``.
+            human_actions: ``|A_h|``.
 
         Raises:
             ValueError: if ``k`` is out of its range, or there are more than
                 `coadapt.human.enumeration.MOST_WINDOWS` windows.
         """
-        human_actions = moves.shape[2]
+        outcomes: int = moves.shape[2]
+        branching = outcomes // human_actions
 
         def following(window: _Window) -> list[_Window | None]:
             state, steps, _ = window
             after: list[_Window | None] = []
             for where, to in enumerate(moves[state].ravel().tolist()):
-                a, h = divmod(where, human_actions)
+                a, outcome = divmod(where, outcomes)
                 # Not [-(memory - 1):], which is everything for a memory of one step.
                 kept = (*steps, (state, a))[max(0, len(steps) + 2 - memory) :]
-                after.append(window if ends[state] else (to, kept, h))
+                if ends[state]:
+                    after.append(window)
+                else:
+                    after.append(None if to == NO_STATE else (to, kept, outcome // branching))
             return after
 
         begin: list[_Window] = [(start, (), NO_ACTION) for start in starts]

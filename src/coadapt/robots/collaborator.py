@@ -8,7 +8,7 @@ import numpy as np
 
 from coadapt.arrays import FloatArray, IntArray
 from coadapt.formalism.collaboration import Collaboration
-from coadapt.human.history import NO_ACTION
+from coadapt.human.history import NO_ACTION, NO_WINDOW
 from coadapt.momdp.model import MOMDP
 from coadapt.momdp.policy import AlphaVectorPolicy, action_values
 from coadapt.robots.robot import NO_INPUT, Decision, Decisions, one_situation
@@ -51,7 +51,7 @@ class Collaborator:
         """Begin an episode from ``belief`` ``[A, M]``, by default the model's prior."""
         start = self.model.prior if belief is None else belief
         self._belief = self._forecast = start
-        self._expected = None if window is None else np.array([window])
+        self._expected: IntArray | None = None if window is None else np.array([window])
 
     def plan(self, state: int) -> int:
         """The action to take in ``state``, before the human action is known.
@@ -78,10 +78,12 @@ class Collaborator:
             ValueError: as `plan`, or if there is no human action or one that shows no mode.
         """
         situation = one_situation(self.model, state, human_input, self._forecast, self._expected)
-        decision = self.decide_many(*situation)[0]
-        self._belief, self._forecast = decision.belief, decision.forecast
-        self._expected = self.model.windows.next[[decision.window], decision.action, human_input]
-        return decision
+        decisions = self.decide_many(*situation)
+        (self._expected,) = self.model.after(
+            decisions.window, decisions.action, decisions.human_input
+        )
+        self._belief, self._forecast = decisions.belief[0], decisions.forecast[0]
+        return decisions[0]
 
     def decide_many(
         self, windows: IntArray, human_inputs: IntArray, beliefs: FloatArray
@@ -98,10 +100,10 @@ class Collaborator:
         action = self.policy.actions_at(windows, model.modes.hidden(beliefs))
         if np.any(human_inputs == NO_INPUT):
             raise ValueError("a collaboration needs an action of the human in every step")
-        reached = model.windows.next[windows, action, human_inputs]
-        if np.any(reached < 0):
-            shown = model.input_names[int(human_inputs[reached.argmin()])]
-            raise ValueError(f"the human action {shown} belongs to no mode there")
+        impossible = model.after(windows, action, human_inputs)[:, 0] == NO_WINDOW
+        if impossible.any():
+            name = model.input_names[int(human_inputs[impossible.argmax()])]
+            raise ValueError(f"the human action {name} belongs to no mode there")
         belief = model.correct(beliefs, windows, human_inputs)
         perceived = model.perceived[windows, action]
         return Decisions(

@@ -5,11 +5,12 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from functools import cached_property
+from itertools import product
 
 import numpy as np
 
 from coadapt.arrays import BoolArray, FloatArray, IntArray
-from coadapt.worlds.world import NO_GOAL, UNREACHABLE, Goal
+from coadapt.worlds.world import Goal, World
 
 
 @dataclass(frozen=True, eq=False)
@@ -20,17 +21,18 @@ class JointWorld:
         name: short identifier, used in files and reports.
         moves: ``[X, A_r, A_h]`` the state each pair of actions leads to
             (``T: X_world x A_r x A_h -> X_world``, Sec. 2.3); a blocked move leads to its own
-            state.
+            state. Where moves are uncertain, ``[X, A_r, A_h, N]``: the different states each pair
+            may lead to, filled up with `coadapt.human.history.NO_STATE`.
         goals: one mode each, in the order of the modes.
         starts: probability of each state in which the task may begin.
         state_names: ``X`` labels.
         action_names: ``A_r`` labels of the robot's actions.
         human_action_names: ``A_h`` labels of the human's actions.
         positions: ``[X, 2]`` where to draw each state: to the right, ahead.
+        chances: ``[X, A_r, A_h, N]`` the probability of each outcome, where moves are uncertain.
 
     Raises:
-        ValueError: if an index is out of range, two goals share a state or a name, a start is a
-            goal, the starts are no distribution, or the numbers of names do not fit.
+        ValueError: if the parts do not fit together.
     """
 
     name: str
@@ -41,39 +43,43 @@ class JointWorld:
     action_names: tuple[str, ...]
     human_action_names: tuple[str, ...]
     positions: FloatArray = field(repr=False)
+    chances: FloatArray | None = field(default=None, repr=False)
 
     def __post_init__(self) -> None:
-        if self.moves.ndim != 3:
-            raise ValueError(f"moves have shape {self.moves.shape}, expected [X, A_r, A_h]")
-        states, actions, human_actions = self.moves.shape
-        if self.moves.min(initial=0) < 0 or self.moves.max(initial=0) >= states:
-            raise ValueError(f"moves must lead to states 0 to {states - 1}")
+        shape = self.moves.shape
+        if len(shape) not in (3, 4):
+            raise ValueError(
+                f"moves have shape {shape}, expected [X, A_r, A_h] or [X, A_r, A_h, N]"
+            )
         named = (len(self.state_names), len(self.action_names), len(self.human_action_names))
-        if named != (states, actions, human_actions):
+        if named != shape[:3]:
             raise ValueError(
                 f"there are names for {named} states and actions of robot and human, "
-                f"expected {self.moves.shape}"
+                f"expected {shape[:3]}"
             )
-        if self.positions.shape != (states, 2):
-            raise ValueError(f"positions have shape {self.positions.shape}, not {(states, 2)}")
-        if not self.goals:
-            raise ValueError("a world needs at least one goal")
-        for where in (*self.starts, *self.goal_states):
-            if not 0 <= where < states:
-                raise ValueError(f"state {where} is not one of 0 to {states - 1}")
-        for goal in self.goals:
-            if not goal.states:
-                raise ValueError(f"goal {goal.name} has no state")
-        if len(set(self.goal_states)) < len(self.goal_states):
-            raise ValueError("two goals share a state")
-        if len({goal.name for goal in self.goals}) < len(self.goals):
-            raise ValueError("two goals share a name")
-        for start in self.starts:
-            if start in self.goal_states:
-                raise ValueError(f"the start, {self.state_names[start]}, is a goal")
-        chances = np.array(list(self.starts.values()))
-        if not (np.all(chances > 0) and abs(chances.sum() - 1.0) <= 1e-9):
-            raise ValueError("starts must be positive probabilities that sum to 1")
+        if self.positions.shape != (self.states, 2):
+            raise ValueError(f"positions have shape {self.positions.shape}, not {(self.states, 2)}")
+        if not self.starts:
+            raise ValueError("a world needs at least one start")
+        _ = self.together  # which checks the rest
+
+    @cached_property
+    def together(self) -> World:
+        """The same world, moved by one who chooses both actions: action ``a_r * |A_h| + a_h``."""
+        pairs = [", ".join(pair) for pair in product(self.action_names, self.human_action_names)]
+        shape = (self.states, len(pairs), *self.moves.shape[3:])
+        return World(
+            name=self.name,
+            moves=self.moves.reshape(shape),
+            goals=self.goals,
+            start=self.start,
+            state_names=self.state_names,
+            action_names=tuple(pairs),
+            positions=self.positions,
+            directions=np.zeros((len(pairs), 2)),
+            chances=None if self.chances is None else self.chances.reshape(shape),
+            starts=self.starts,
+        )
 
     @property
     def states(self) -> int:
@@ -103,53 +109,41 @@ class JointWorld:
     @property
     def is_deterministic(self) -> bool:
         """Whether every pair of actions has one outcome."""
-        return True
+        return self.together.is_deterministic
 
     @property
     def outcomes(self) -> IntArray:
-        """``[X, A_r, N]`` the states a robot action may lead to: one for each human action."""
-        return self.moves
+        """``[X, A_r, A_h * N]`` the states each robot action may lead to.
+
+        Those of one human action are side by side, and `NO_STATE` where it has fewer.
+        """
+        return self.together.outcomes.reshape(self.states, self.actions, -1)
+
+    @property
+    def outcome_chances(self) -> FloatArray:
+        """``[X, A_r, A_h, N]`` the probability of each outcome, given both actions."""
+        return self.together.outcome_chances.reshape(*self.moves.shape[:3], -1)
 
     @property
     def goal_states(self) -> tuple[int, ...]:
         """The states of all goals, those of the first goal first."""
-        return tuple(state for goal in self.goals for state in goal.states)
+        return self.together.goal_states
 
-    @cached_property
+    @property
     def goal_of(self) -> IntArray:
-        """``[X]`` index of the goal in each state, or `NO_GOAL`."""
-        found = np.full(self.states, NO_GOAL)
-        for g, goal in enumerate(self.goals):
-            found[list(goal.states)] = g
-        return found
+        """``[X]`` index of the goal in each state, or `coadapt.worlds.world.NO_GOAL`."""
+        return self.together.goal_of
 
-    @cached_property
+    @property
     def ends(self) -> BoolArray:
         """``[X]`` where the task ends."""
-        return self.goal_of != NO_GOAL
+        return self.together.ends
 
     @property
     def optimal_goal(self) -> int:
         """Index of the goal with the largest reward (the first one, on a tie)."""
-        return max(range(len(self.goals)), key=lambda g: self.goals[g].reward)
+        return self.together.optimal_goal
 
     def goal_at(self, state: int) -> int | None:
         """Index of the goal in ``state``, or None."""
-        goal = int(self.goal_of[state])
-        return None if goal == NO_GOAL else goal
-
-    def distance(self, goal: int) -> IntArray:
-        """``[X]`` fewest steps to goal ``goal`` past no other goal, if both want to go there.
-
-        `UNREACHABLE` where there is no such path.
-        """
-        steps = np.full(self.states, UNREACHABLE, dtype=np.int64)
-        steps[list(self.goals[goal].states)] = 0
-        going = ~self.ends
-        for count in range(1, self.states + 1):
-            nearer = np.isin(self.moves, np.flatnonzero(steps == count - 1)).any(axis=(1, 2))
-            new = going & nearer & (steps == UNREACHABLE)
-            if not new.any():
-                break
-            steps[new] = count
-        return steps
+        return self.together.goal_at(state)
