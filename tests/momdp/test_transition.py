@@ -110,3 +110,11 @@ def test_scaled_jumps_are_parts_of_their_matrices(jumps: JumpTransition, seed: i
     for k in range(4):
         expected = scale[k] * dense_map(jumps, int(which[k]))
         np.testing.assert_allclose(parts.matrix(k), expected, atol=1e-14)
+
+
+def test_certain_jumps_have_no_negative_parts() -> None:
+    # In floating-point numbers this sum is above 1.
+    target = np.array([[0.2, 0.4, 0.3, 0.1]])
+    assert target.sum() > 1
+    parts = JumpTransition(rate=np.ones((1, 4)), target=target).scaled(np.array([0]), np.ones(1))
+    assert parts.value.min() > 0

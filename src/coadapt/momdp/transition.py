@@ -138,7 +138,8 @@ class JumpTransition:
         """
         size, (blocks, values) = self.hidden, self.rate.shape
         jump = self.rate * self.target[which][:, None, :]  # [K', B, M']
-        stay = 1.0 - jump.sum(axis=2)
+        # Rounding must not make it negative where a jump is certain.
+        stay = np.maximum(1.0 - jump.sum(axis=2), 0.0)
         within = np.repeat(jump[:, :, None, :], values, axis=2)  # [K', B, M, M']
         within += stay[:, :, None, None] * np.eye(values)
         mixing = np.eye(blocks) if self.mixing is None else self.mixing
