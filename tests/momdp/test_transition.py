@@ -114,7 +114,7 @@ def test_scaled_jumps_are_parts_of_their_matrices(jumps: JumpTransition, seed: i
 
 def test_certain_jumps_have_no_negative_parts() -> None:
     # In floating-point numbers this sum is above 1.
-    target = np.array([[0.2, 0.4, 0.3, 0.1]])
+    target = np.array([[0.2, 0.4, 0.3, 0.1, 0.0]])
     assert target.sum() > 1
-    parts = JumpTransition(rate=np.ones((1, 4)), target=target).scaled(np.array([0]), np.ones(1))
+    parts = JumpTransition(rate=np.ones((1, 5)), target=target).scaled(np.array([0]), np.ones(1))
     assert parts.value.min() > 0
