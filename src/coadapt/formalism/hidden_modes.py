@@ -14,7 +14,7 @@ import numpy as np
 
 from coadapt.arrays import FloatArray, IntArray
 from coadapt.human import filter as human_filter
-from coadapt.human.adaptation import Adaptability, mode_transition
+from coadapt.human.adaptation import Adaptability
 from coadapt.human.history import NO_ACTION
 from coadapt.human.perceived import perceived_robot_mode
 from coadapt.human.robot_steps import StepWindows
@@ -72,8 +72,10 @@ class HiddenModes:
         modes = len(self.mode_names)
         rates = self.alpha.rates(modes)
         seen, which = np.unique(self.perceived.reshape(-1, modes), axis=0, return_inverse=True)
-        switch = np.array([[mode_transition(rate, row) for rate in rates] for row in seen])
-        moved = np.einsum("daij,ab->daibj", switch, self.alpha.transition)
+        # A person in mode m is carried from the belief that is certain of m, for every alpha.
+        certain = np.broadcast_to(np.eye(modes)[:, None], (modes, len(rates), modes))
+        switch = human_filter.predict(certain, rates, seen[:, None], None)  # [D, M, A, M']
+        moved = np.einsum("dman,ab->dambn", switch, self.alpha.transition)
         hidden = rates.size
         return moved.reshape(-1, hidden, hidden), which.reshape(self.perceived.shape[:2])
 
