@@ -60,6 +60,14 @@ def test_what_the_robot_does() -> None:
         assert numbers == pytest.approx([float(x) for x in shown], abs=0.01)
 
 
+def test_how_long_the_robot_insists() -> None:
+    # docs/tasks: three steps with a table, and in the hallway it lets people pass in the fifth.
+    for task, steps in (("table", 3), ("hallway", 4)):
+        robot, stubborn = collaborator(task), ca.SimulatedPartner(0.0, mode=0)
+        (episode,) = ca.simulate(robot, stubborn, 1, np.random.default_rng(0))
+        assert episode.actions.index(0) == steps
+
+
 def test_a_short_sighted_robot_does_not_insist() -> None:
     model = ca.Collaboration(ca.worlds.table_carrying(), discount=0.9)
     robot = Collaborator(model, ca.SARSOP(gap=1e-3).solve(model.to_momdp()).policy)
