@@ -10,7 +10,7 @@ import click
 from coadapt.errors import InputError
 
 if TYPE_CHECKING:
-    from coadapt.robots.setup import RobotSetup
+    from coadapt.robots.task_setup import AnySetup
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -26,13 +26,13 @@ def numbers(text: str) -> tuple[float, ...]:
 
 
 # Name, type, default, meaning. The defaults are those of `RobotSetup`, repeated so that the help
-# need not import it; a test compares them.
+# need not import it; a test compares them. A task has defaults of its own.
 SETUP_OPTIONS: tuple[tuple[str, Any, object, str], ...] = (
     ("robot", click.Choice(ROBOTS), "mutual_adaptation", "The robot."),
-    ("columns", int, 13, "Width of the grid in cells."),
-    ("rows", int, 4, "Depth of the grid in cells."),
-    ("left_reward", float, 10.0, "Reward of the left goal."),
-    ("right_reward", float, 11.0, "Reward of the right goal."),
+    ("columns", int, 13, "Width of the grid in cells, for table clearing."),
+    ("rows", int, 4, "Depth of the grid in cells, for table clearing."),
+    ("left_reward", float, 10.0, "Reward of the left goal, for table clearing."),
+    ("right_reward", float, 11.0, "Reward of the right goal, for table clearing."),
     ("memory", int, 1, "Steps from which the person infers the robot's goal."),
     ("adaptability", numbers, (0.0, 0.25, 0.5, 0.75, 1.0), "Values of alpha, increasing."),
     ("disagreement_cost", float, -0.32, "Penalty C of a step in disagreement, at most 0."),
@@ -53,22 +53,28 @@ def setup_options(function: Function) -> Function:
     return function
 
 
-def changed_setup(base: RobotSetup, given: Mapping[str, object]) -> RobotSetup:
+def changed_setup(base: AnySetup, given: Mapping[str, object]) -> AnySetup:
     """``base`` with the options that were given in place of its values, found usable.
 
     Raises:
         InputError: if a value cannot be used; names the option.
     """
-    import msgspec
-
     from coadapt.robots.setup import SetupError
+    from coadapt.robots.task_setup import changed
+    from coadapt.tasks import TaskError
 
+    changes = {name: value for name, value in given.items() if value is not None}
     try:
-        changes = {name: value for name, value in given.items() if value is not None}
-        setup = msgspec.structs.replace(base, **changes)
+        setup = changed(base, changes)
         _ = setup.model()
     except SetupError as error:
         raise InputError(f"{_flag(error.field)} {error.problem}") from error
+    except TaskError as error:
+        # The task itself was found usable: it is an option that does not go with the rest.
+        name = str(error.key[-1]) if error.key else ""
+        if name in changes:
+            raise InputError(f"{_flag(name)} {error.problem}") from error
+        raise InputError(f"the options do not fit the task: {error}") from error
     return setup
 
 

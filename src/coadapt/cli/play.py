@@ -12,6 +12,7 @@ from typing import TYPE_CHECKING
 import click
 
 from coadapt.cli.options import changed_setup, setup_options
+from coadapt.cli.problems import task_setup
 from coadapt.errors import FileError, InputError, printable
 
 if TYPE_CHECKING:
@@ -20,6 +21,7 @@ if TYPE_CHECKING:
 
 
 @click.command(name="play")
+@click.argument("task", required=False)
 @click.option(
     "--log",
     "path",
@@ -28,8 +30,10 @@ if TYPE_CHECKING:
     help="A new file for the log.  [coadapt-play-DATE-TIME.csv]",
 )
 @setup_options
-def command(path: Path | None, **given: object) -> int:
+def command(task: str | None, path: Path | None, **given: object) -> int:
     """Steer the robot with the arrow keys, in this terminal.
+
+    TASK is the name of a task, see `coadapt tasks`, or a .toml file; table clearing if left out.
 
     You see the table, the robot, what it believes of you and why it acts. It waits for your key,
     then takes one step. Every step is saved at once in a log, which `coadapt replay` reproduces
@@ -37,7 +41,7 @@ def command(path: Path | None, **given: object) -> int:
     """
     from coadapt.robots.setup import RobotSetup
 
-    setup = changed_setup(RobotSetup(), given)
+    setup = changed_setup(RobotSetup() if task is None else task_setup(task), given)
     if not (sys.stdin.isatty() and sys.stdout.isatty()):
         raise InputError("play needs a terminal: its input and output cannot be redirected")
     log = _new_log(path)

@@ -1,8 +1,7 @@
-"""What a command takes for PROBLEM: a file, or one of the tasks that are built in."""
+"""What a command takes for PROBLEM or TASK: a file, or one of the tasks that are built in."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from pathlib import Path
 from typing import TYPE_CHECKING
 
@@ -10,51 +9,41 @@ from coadapt.errors import InputError
 
 if TYPE_CHECKING:
     from coadapt.momdp import MOMDP
-
-
-def _table_clearing() -> MOMDP:
-    from coadapt.formalism import SharedAutonomy
-    from coadapt.worlds import table_clearing
-
-    return SharedAutonomy(table_clearing()).to_momdp()
-
-
-def _table_carrying() -> MOMDP:
-    from coadapt.formalism import Collaboration
-    from coadapt.worlds import table_carrying
-
-    return Collaboration(table_carrying(), observed="closed").to_momdp()
-
-
-def _hallway() -> MOMDP:
-    from coadapt.formalism import Collaboration
-    from coadapt.worlds import hallway
-
-    return Collaboration(hallway(), observed="all").to_momdp()
-
-
-TASKS: dict[str, Callable[[], MOMDP]] = {
-    "table_clearing": _table_clearing,
-    "table_carrying": _table_carrying,
-    "hallway": _hallway,
-}
-"""The tasks by their names."""
+    from coadapt.robots.task_setup import TaskSetup
 
 
 def load_problem(problem: str) -> MOMDP:
-    """The task or the file that ``problem`` names.
+    """The planning problem of the task or the file that ``problem`` names.
 
-    A name with a suffix or a directory is a file.
+    A name with a suffix or a directory is a file: a task if it ends in ``.toml``.
 
     Raises:
         InputError: if there is no such task, or the file cannot be used.
     """
-    if problem in TASKS:
-        return TASKS[problem]()
     path = Path(problem)
-    if not path.suffix and problem == path.name:
-        known = ", ".join(sorted(TASKS))
-        raise InputError(f"{problem}: found no such task, expected a file or one of: {known}")
+    if path.suffix == ".toml" or (not path.suffix and problem == path.name):
+        from coadapt.tasks import load_task, task_problem
+
+        return task_problem(load_task(problem))
     from coadapt.momdp.files import read_pomdp
 
     return read_pomdp(path)
+
+
+def task_setup(name: str) -> TaskSetup:
+    """The setup of a robot for the task that ``name`` names, see `load_problem`.
+
+    Raises:
+        InputError: if there is no such task, the file cannot be used, or the task is one for which
+            there is no such robot.
+    """
+    from coadapt.robots.task_setup import TaskSetup
+    from coadapt.tasks import Task, load_task
+
+    task = load_task(name)
+    if not isinstance(task, Task):
+        raise InputError(
+            f"{name}: found a task in which the person moves the world too, expected one that a "
+            "robot carries out"
+        )
+    return TaskSetup(task=task)

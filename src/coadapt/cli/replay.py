@@ -12,11 +12,12 @@ from typing import TYPE_CHECKING
 import click
 
 from coadapt.cli.options import changed_setup, setup_options
+from coadapt.cli.problems import task_setup
 from coadapt.cli.progress import progress_line
 from coadapt.errors import InputError
 
 if TYPE_CHECKING:
-    from coadapt.robots.setup import RobotSetup
+    from coadapt.robots.task_setup import AnySetup
 
 DIFFERS = 1
 """Exit code where the recorded robot decides otherwise than recorded."""
@@ -37,13 +38,25 @@ HELD_IN_MEMORY = 1 << 24
 @click.option(
     "--skip-rest", is_flag=True, help="Leave out inputs that come after the goal in a trial."
 )
+@click.option(
+    "--task",
+    metavar="TASK",
+    help="Name of a task or a .toml file.  [that of the log, else table clearing]",
+)
 @setup_options
-def command(log: Path, out: Path | None, as_json: bool, skip_rest: bool, **given: object) -> int:
+def command(
+    log: Path,
+    out: Path | None,
+    as_json: bool,
+    skip_rest: bool,
+    task: str | None,
+    **given: object,
+) -> int:
     """Run a recorded log of human inputs through a robot.
 
-    LOG is a CSV file with the columns time (seconds) and input (left, forward, right or nothing),
-    and trial if there are several. The robot's actions and beliefs are printed and saved step by
-    step.
+    LOG is a CSV file with the columns time (seconds) and input (for table clearing left, forward,
+    right or nothing), and trial if there are several. The robot's actions and beliefs are printed
+    and saved step by step.
 
     Where LOG holds the setup of a robot, it is the default of the options below. Where it holds
     decisions, they are compared: the exit code is 1 if the same robot decides otherwise.
@@ -58,7 +71,7 @@ def command(log: Path, out: Path | None, as_json: bool, skip_rest: bool, **given
     # Read it all once before the planning: a bad log is refused without a wait.
     with open_log(log) as reader:
         recorded = reader.setup
-        setup = _setup(recorded, given)
+        setup = _setup(recorded, task, given)
         target = log.with_name(f"{log.stem}.{setup.robot}.csv") if out is None else out
         _require_other(log, target)
         for _ in reader.rows(setup.model().interface.names):
@@ -93,10 +106,11 @@ def command(log: Path, out: Path | None, as_json: bool, skip_rest: bool, **given
     return DIFFERS if outcome.fails else 0
 
 
-def _setup(recorded: RobotSetup | None, given: Mapping[str, object]) -> RobotSetup:
+def _setup(recorded: AnySetup | None, task: str | None, given: Mapping[str, object]) -> AnySetup:
     from coadapt.robots.setup import RobotSetup
 
-    return changed_setup(RobotSetup() if recorded is None else recorded, given)
+    base = recorded or RobotSetup()
+    return changed_setup(base if task is None else task_setup(task), given)
 
 
 def _require_other(log: Path, target: Path) -> None:

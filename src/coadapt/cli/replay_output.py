@@ -16,7 +16,7 @@ from rich.text import Text
 from coadapt import __version__
 from coadapt.errors import printable
 from coadapt.robots import Decision, Robot
-from coadapt.robots.setup import RobotSetup
+from coadapt.robots.task_setup import AnySetup, differences
 from coadapt.simulation.log import DecisionCells, Value
 from coadapt.simulation.replay import Comparison, ReplayedTrial
 
@@ -37,8 +37,8 @@ class Outcome:
     """
 
     comparison: Comparison
-    setup: RobotSetup
-    recorded: RobotSetup | None
+    setup: AnySetup
+    recorded: AnySetup | None
     version: str | None
     saved: Path
 
@@ -47,8 +47,7 @@ class Outcome:
         """Names of the values in which the two setups differ."""
         if self.recorded is None:
             return ()
-        before, now = (msgspec.structs.asdict(s) for s in (self.recorded, self.setup))
-        return tuple(name for name in now if now[name] != before[name])
+        return tuple(differences(self.recorded, self.setup))
 
     @property
     def fails(self) -> bool:
@@ -59,7 +58,7 @@ class Outcome:
 class Output(Protocol):
     """Where the trials of a replay go, in order."""
 
-    def begin(self, log: Path, setup: RobotSetup) -> None:
+    def begin(self, log: Path, setup: AnySetup) -> None:
         """Before the first trial."""
         ...
 
@@ -103,7 +102,7 @@ class JSONOutput:
         self._cells = DecisionCells(robot)
         self._separator = ""
 
-    def begin(self, log: Path, setup: RobotSetup) -> None:
+    def begin(self, log: Path, setup: AnySetup) -> None:
         """The setup."""
         head = _json({"log": printable(str(log)), "setup": setup})
         self._stream.write(f'{head[:-1]},"trials":[')
@@ -168,7 +167,7 @@ class TextOutput:
         self._steps = 0
         self._trials = 0
 
-    def begin(self, log: Path, setup: RobotSetup) -> None:
+    def begin(self, log: Path, setup: AnySetup) -> None:
         """The heading."""
         self._line(f"{printable(str(log))} through {setup.robot}")
 

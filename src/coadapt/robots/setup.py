@@ -9,7 +9,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable
 from itertools import pairwise
-from typing import Literal, get_args
+from typing import Literal, Protocol, get_args
 
 import msgspec
 
@@ -95,31 +95,30 @@ class RobotSetup(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
     gap: float = 1e-3
 
     def __post_init__(self) -> None:
-        _require("robot", self.robot in ROBOT_NAMES, f"one of {', '.join(ROBOT_NAMES)}", self.robot)
-        _require("columns", self.columns >= 3, "at least 3", self.columns)
-        _require("rows", self.rows >= 1, "at least 1", self.rows)
+        require_field("columns", self.columns >= 3, "at least 3", self.columns)
+        require_field("rows", self.rows >= 1, "at least 1", self.rows)
         cells = self.columns * self.rows
         few = f"so few that there are at most {LARGEST_GRID:,} cells"
-        _require("columns", cells <= LARGEST_GRID, few, f"{cells:,}")
+        require_field("columns", cells <= LARGEST_GRID, few, f"{cells:,}")
         for field in ("left_reward", "right_reward"):
             reward: float = getattr(self, field)
             wanted = f"a number of size {LARGEST_REWARD:g} at most"
-            _require(field, abs(reward) <= LARGEST_REWARD, wanted, reward)
+            require_field(field, abs(reward) <= LARGEST_REWARD, wanted, reward)
         wanted = f"from 1 to {LONGEST_MEMORY}"
-        _require("memory", 1 <= self.memory <= LONGEST_MEMORY, wanted, self.memory)
+        require_field("memory", 1 <= self.memory <= LONGEST_MEMORY, wanted, self.memory)
         self._require_adaptability()
         cost = self.disagreement_cost
-        _require("disagreement_cost", -LARGEST_REWARD <= cost <= 0, "a number of at most 0", cost)
-        _require("discount", 0 <= self.discount < 1, "at least 0 and below 1", self.discount)
+        require_field(
+            "disagreement_cost", -LARGEST_REWARD <= cost <= 0, "a number of at most 0", cost
+        )
+        require_field("discount", 0 <= self.discount < 1, "at least 0 and below 1", self.discount)
         cost = self.step_cost
-        _require("step_cost", 0 < cost <= LARGEST_STEP_COST, "above 0 and at most 1000", cost)
-        threshold = self.match_threshold
-        _require("match_threshold", 0 <= threshold < math.inf, "a number of at least 0", threshold)
-        _require("gap", 0 < self.gap < math.inf, "a number above 0", self.gap)
+        require_field("step_cost", 0 < cost <= LARGEST_STEP_COST, "above 0 and at most 1000", cost)
+        require_planned(self)
 
     def _require_adaptability(self) -> None:
         values = self.adaptability
-        _require(
+        require_field(
             "adaptability",
             1 <= len(values) <= MOST_ADAPTABILITIES,
             f"1 to {MOST_ADAPTABILITIES} values",
@@ -127,9 +126,9 @@ class RobotSetup(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
         )
         shown = ",".join(f"{value:g}" for value in values)
         inside = all(0 <= value <= 1 for value in values)
-        _require("adaptability", inside, "values from 0 to 1", shown)
+        require_field("adaptability", inside, "values from 0 to 1", shown)
         increasing = all(a < b for a, b in pairwise(values))
-        _require("adaptability", increasing, "increasing values", shown)
+        require_field("adaptability", increasing, "increasing values", shown)
 
     def model(self) -> SharedAutonomy:
         """World and people, the same for all three robots.
@@ -145,7 +144,9 @@ class RobotSetup(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
         )
         windows = count_windows(world.moves, list(world.start_chances), world.ends, self.memory)
         few = f"so short that there are at most {MOST_WINDOWS:,} windows of steps"
-        _require("memory", windows <= MOST_WINDOWS, few, f"{self.memory} ({windows:.3g} windows)")
+        require_field(
+            "memory", windows <= MOST_WINDOWS, few, f"{self.memory} ({windows:.3g} windows)"
+        )
         model = SharedAutonomy(
             world,
             memory=self.memory,
@@ -161,42 +162,85 @@ class RobotSetup(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
         return model
 
     def build(self, progress: Progress | None = None) -> Robot:
-        """The robot, its policy planned now.
-
-        Args:
-            progress: told what is being done. What it raises ends the planning.
+        """The robot, its policy planned now, see `planned_robot`.
 
         Raises:
             SetupError: as `model`.
-            KeyboardInterrupt: if planning was interrupted; there is no half-planned robot.
         """
-        tell = _say_nothing if progress is None else progress
-        tell("Building the model")
-        model = self.model()
-        if self.robot == "no_adaptation":
-            return NoAdaptation(model)
-        one_way = self.robot == "one_way_adaptation"
-        problem = (model.one_way() if one_way else model).to_momdp()
-        tell("Preparing the planner")
-        # Imported now: whoever only reads or checks a setup need not wait for the compiler.
-        from coadapt.momdp.sarsop import SARSOP, Record, Status  # noqa: PLC0415
-
-        def tell_bounds(record: Record) -> None:
-            tell(
-                f"Planning: value between {record.lower:.3f} and {record.upper:.3f} "
-                f"after {record.backups:,} backups"
-            )
-
-        solution = SARSOP(gap=self.gap, callback=tell_bounds).solve(problem)
-        if solution.status is not Status.GAP:
-            # The policy so far is no function of the setup.
-            raise KeyboardInterrupt
-        rule = MatchRule(self.match_threshold)
-        robot = OneWayAdaptation if one_way else MutualAdaptation
-        return robot(model, solution.policy, rule)
+        return planned_robot(self, progress)
 
 
-def _require(field: str, holds: bool, wanted: str, found: object) -> None:
+class Planned(Protocol):
+    """What a robot is planned from: the part that all setups have."""
+
+    @property
+    def robot(self) -> RobotName:
+        """Which of the robots of Sec. 6.1."""
+        ...
+
+    @property
+    def match_threshold(self) -> float:
+        """Agreement at which the input is executed."""
+        ...
+
+    @property
+    def gap(self) -> float:
+        """The planner stops when its bounds are this close."""
+        ...
+
+    def model(self) -> SharedAutonomy:
+        """World and people."""
+        ...
+
+
+def planned_robot(setup: Planned, progress: Progress | None = None) -> Robot:
+    """The robot of ``setup``, its policy planned now.
+
+    Args:
+        setup: what it is built from.
+        progress: told what is being done. What it raises ends the planning.
+
+    Raises:
+        KeyboardInterrupt: if planning was interrupted; there is no half-planned robot.
+    """
+    tell = _say_nothing if progress is None else progress
+    tell("Building the model")
+    model = setup.model()
+    if setup.robot == "no_adaptation":
+        return NoAdaptation(model)
+    one_way = setup.robot == "one_way_adaptation"
+    problem = (model.one_way() if one_way else model).to_momdp()
+    tell("Preparing the planner")
+    # Imported now: whoever only reads or checks a setup need not wait for the compiler.
+    from coadapt.momdp.sarsop import SARSOP, Record, Status  # noqa: PLC0415
+
+    def tell_bounds(record: Record) -> None:
+        tell(
+            f"Planning: value between {record.lower:.3f} and {record.upper:.3f} "
+            f"after {record.backups:,} backups"
+        )
+
+    solution = SARSOP(gap=setup.gap, callback=tell_bounds).solve(problem)
+    if solution.status is not Status.GAP:
+        # The policy so far is no function of the setup.
+        raise KeyboardInterrupt
+    rule = MatchRule(setup.match_threshold)
+    robot = OneWayAdaptation if one_way else MutualAdaptation
+    return robot(model, solution.policy, rule)
+
+
+def require_planned(setup: Planned) -> None:
+    """Raise SetupError unless what all setups have is in range."""
+    require_field(
+        "robot", setup.robot in ROBOT_NAMES, f"one of {', '.join(ROBOT_NAMES)}", setup.robot
+    )
+    threshold = setup.match_threshold
+    require_field("match_threshold", 0 <= threshold < math.inf, "a number of at least 0", threshold)
+    require_field("gap", 0 < setup.gap < math.inf, "a number above 0", setup.gap)
+
+
+def require_field(field: str, holds: bool, wanted: str, found: object) -> None:
+    """Raise SetupError unless ``holds``."""
     if not holds:
         raise SetupError(field, f"must be {wanted}, not {found}")
 

@@ -4,7 +4,7 @@ A log is UTF-8 text. Somebody else's needs two columns, ``time`` and ``input``; 
 optional. Ours begin with comment lines that hold the robot's setup, and have a column for
 everything a decision consists of, with numbers written so that they are read back to the same bit:
 
-    # coadapt log, format 1
+    # coadapt log, format 2
     # written by coadapt 0.1.0
     # setup {"robot": "mutual_adaptation", ...}
     time,input,trial,state,action,planned,matched,agreement,belief[alpha=0 left],...
@@ -18,7 +18,11 @@ from dataclasses import dataclass, field
 
 from coadapt.robots import Decision, Robot
 
-FORMAT = 1
+FORMAT = 2
+"""Version of the format. Since 2 a setup may hold a task."""
+
+FIRST_FORMAT = 1
+"""The oldest one that is read."""
 
 FORMAT_LINE = "# coadapt log, format"
 VERSION_LINE = "# written by coadapt"

@@ -13,11 +13,10 @@ from itertools import chain
 from pathlib import Path
 from typing import BinaryIO
 
-import msgspec
-
 from coadapt.errors import FileError, excerpt
-from coadapt.robots.setup import RobotSetup
+from coadapt.robots.task_setup import AnySetup, read_setup
 from coadapt.simulation.log import (
+    FIRST_FORMAT,
     FORMAT,
     FORMAT_LINE,
     INPUT,
@@ -76,7 +75,7 @@ class LogReader:
 
     def __init__(self, path: str | os.PathLike[str], stream: BinaryIO) -> None:
         self.path = path
-        self.setup: RobotSetup | None = None
+        self.setup: AnySetup | None = None
         self.version: str | None = None
         self._is_ours = False
         self._lines = _lines(path, stream)
@@ -176,13 +175,13 @@ class LogReader:
                 f"found format {int(given)}, which is newer than this coadapt reads; "
                 f"expected {FORMAT}",
             )
-        if int(given) < FORMAT:
+        if int(given) < FIRST_FORMAT:
             raise FileError(self.path, self._line, f"found format {given}, expected {FORMAT}")
 
-    def _read_setup(self, given: str) -> RobotSetup:
+    def _read_setup(self, given: str) -> AnySetup:
         try:
-            return msgspec.json.decode(given.encode(), type=RobotSetup)
-        except (msgspec.MsgspecError, ValueError, RecursionError) as error:
+            return read_setup(given.encode())
+        except (ValueError, RecursionError) as error:
             raise FileError(
                 self.path,
                 self._line,

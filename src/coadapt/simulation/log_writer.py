@@ -16,7 +16,7 @@ import msgspec
 from coadapt import __version__
 from coadapt.errors import FileError
 from coadapt.robots import Decision, Robot
-from coadapt.robots.setup import RobotSetup
+from coadapt.robots.task_setup import AnySetup
 from coadapt.simulation.log import (
     FORMAT,
     FORMAT_LINE,
@@ -39,7 +39,7 @@ class LogWriter:
         columns: the decision columns.
     """
 
-    def __init__(self, stream: TextIO, setup: RobotSetup, columns: Sequence[str]) -> None:
+    def __init__(self, stream: TextIO, setup: AnySetup, columns: Sequence[str]) -> None:
         self._columns = tuple(columns)
         self._stream = stream
         self._csv = csv.writer(stream, lineterminator="\n")
@@ -64,7 +64,7 @@ class DecisionLog:
         setup: what the robot was built from.
     """
 
-    def __init__(self, stream: TextIO, robot: Robot, setup: RobotSetup) -> None:
+    def __init__(self, stream: TextIO, robot: Robot, setup: AnySetup) -> None:
         self._cells = DecisionCells(robot)
         self._writer = LogWriter(stream, setup, self._cells.columns)
 
@@ -85,7 +85,7 @@ class LiveLog:
         FileError: if the file exists or cannot be made.
     """
 
-    def __init__(self, path: str | os.PathLike[str], robot: Robot, setup: RobotSetup) -> None:
+    def __init__(self, path: str | os.PathLike[str], robot: Robot, setup: AnySetup) -> None:
         self.path = Path(path)
         self.rows = 0
         try:
@@ -133,7 +133,7 @@ class LiveLog:
 
 @contextmanager
 def whole_log(
-    path: str | os.PathLike[str], robot: Robot, setup: RobotSetup
+    path: str | os.PathLike[str], robot: Robot, setup: AnySetup
 ) -> Generator[DecisionLog]:
     """A log that appears under ``path`` when all of it is written, and not at all after an error.
 

@@ -1,0 +1,120 @@
+"""Reading a task from TOML. Whatever is wrong with it has one message with the line it is in."""
+
+from __future__ import annotations
+
+import os
+import re
+import tomllib
+from pathlib import Path
+
+import msgspec
+
+from coadapt.errors import FileError
+from coadapt.tasks.requirements import Key, TaskError, dotted
+from coadapt.tasks.task import Task
+
+LARGEST_FILE = 1_000_000
+"""Bytes."""
+
+_HEADER = re.compile(r"\s*(\[\[?)\s*([\w.\"' -]+?)\s*\]\]?\s*(#.*)?$")
+_KEY = re.compile(r"\s*([\w\"'-][\w.\"' -]*?)\s*=")
+_PLACE = re.compile(r"(?P<problem>.*?)(?: - at `(?:key in )?\$(?P<place>.*)`)?", re.DOTALL)
+_PART = re.compile(r"\.(\w+)|\[(\d+)\]")
+_AT = re.compile(r"(?P<problem>.*) \(at line (?P<line>\d+), column \d+\)")
+
+
+def read_task(path: str | os.PathLike[str]) -> Task:
+    """The task in a TOML file, found usable: its model can be built.
+
+    Raises:
+        FileError: if it cannot be read or used; names the line where there is one.
+    """
+    try:
+        with Path(path).open("rb") as stream:
+            raw = stream.read(LARGEST_FILE + 1)
+    except OSError as error:
+        raise FileError(
+            path, None, f"found no readable file ({error.strerror}), expected a task"
+        ) from error
+    if len(raw) > LARGEST_FILE:
+        raise FileError(path, None, f"found more than {LARGEST_FILE:,} bytes, expected a task")
+    return parse_task(raw, path)
+
+
+def parse_task(raw: bytes, path: str | os.PathLike[str]) -> Task:
+    """The task in the TOML text ``raw``; ``path`` is for messages.
+
+    Raises:
+        FileError: as `read_task`.
+    """
+    try:
+        text = raw.decode().replace("\r\n", "\n")
+        values = tomllib.loads(text)
+    except UnicodeDecodeError as error:
+        line = raw.count(b"\n", 0, error.start) + 1
+        found = f"found byte 0x{raw[error.start]:02x}, expected UTF-8 text"
+        raise FileError(path, line, found) from error
+    except (tomllib.TOMLDecodeError, ValueError, RecursionError) as error:
+        found = _AT.fullmatch(str(error))
+        problem = str(error) if found is None else found["problem"]
+        line = None if found is None else int(found["line"])
+        raise FileError(path, line, f"found no TOML ({problem}), expected a task") from error
+    try:
+        task = msgspec.convert(values, Task)
+        _ = task.build()
+    except TaskError as error:
+        raise FileError(path, _line(text, error.key), str(error)) from error
+    except (msgspec.ValidationError, RecursionError) as error:
+        key, problem = _explained(error)
+        raise FileError(path, _line(text, key), problem) from error
+    return task
+
+
+def _explained(error: Exception) -> tuple[Key, str]:
+    """Where a value stands that does not fit the format, and what is wrong with it."""
+    found = _PLACE.fullmatch(str(error))
+    place = "" if found is None else found["place"] or ""
+    parts = _PART.findall(place)
+    key: Key = tuple(name or int(number) for name, number in parts)
+    cause = error.__cause__
+    if isinstance(cause, TaskError):
+        inside = TaskError((*key, *cause.key), cause.problem)
+        return inside.key, str(inside)
+    problem = str(error) if found is None else found["problem"]
+    where = f"{dotted(key)}: " if key else ""
+    return key, f"{where}{problem[:1].lower()}{problem[1:]}"
+
+
+def _line(text: str, key: Key) -> int | None:
+    """The line where ``key`` is given, or the table around it; None for the file as a whole."""
+    lines = _lines_of_keys(text)
+    while key and key not in lines:
+        key = key[:-1]
+    return lines.get(key)
+
+
+def _lines_of_keys(text: str) -> dict[Key, int]:
+    """The number of the line that begins each table and gives each key."""
+    found: dict[Key, int] = {}
+    table: Key = ()
+    entries: dict[str, int] = {}
+    quote = ""
+    for number, line in enumerate(text.split("\n"), start=1):
+        if quote:
+            quote = "" if quote in line else quote
+            continue
+        header, given = _HEADER.fullmatch(line), _KEY.match(line)
+        if header is not None:
+            name = header[2].replace('"', "").replace("'", "")
+            table = tuple(part.strip() for part in name.split("."))
+            if header[1] == "[[":
+                entries[name] = entries.get(name, -1) + 1
+                table = (*table, entries[name])
+            found.setdefault(table, number)
+        elif given is not None:
+            name = given[1].replace('"', "").replace("'", "")
+            found.setdefault((*table, *(part.strip() for part in name.split("."))), number)
+        for mark in ('"""', "'''"):
+            if line.count(mark) % 2 == 1:
+                quote = mark
+    return found
