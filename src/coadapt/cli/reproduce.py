@@ -6,6 +6,7 @@ import sys
 import threading
 from collections.abc import Callable, Generator
 from contextlib import contextmanager
+from functools import partial
 from pathlib import Path
 from time import perf_counter
 from typing import TYPE_CHECKING
@@ -25,6 +26,11 @@ COMPILING = "On the first run the planner's kernels are compiled; that takes up 
 
 @click.command(name="reproduce")
 @click.option(
+    "--task",
+    metavar="TASK",
+    help="Report another task instead: one of `coadapt tasks`, or a TOML file.",
+)
+@click.option(
     "--out",
     type=click.Path(path_type=Path, file_okay=False),
     default=Path("reproduction"),
@@ -37,37 +43,79 @@ COMPILING = "On the first run the planner's kernels are compiled; that takes up 
 @click.option(
     "--gap",
     type=float,
-    default=1e-3,
-    help="Planning stops when its bounds are this close.  [0.001]",
+    default=None,
+    help="Planning stops when its bounds are this close.  [0.001; 0.01 with --task]",
 )
 @click.option("--quiet", is_flag=True, help="Do not say what is being done.")
-def command(out: Path, as_json: bool, runs: int, seed: int, gap: float, quiet: bool) -> None:
-    """Write the report of the published results.
+def command(
+    out: Path,
+    task: str | None,
+    as_json: bool,
+    runs: int,
+    seed: int,
+    gap: float | None,
+    quiet: bool,
+) -> None:
+    """Write the report of the published results, or of a task.
 
     The paper's table-clearing task is solved, evaluated exactly and by simulation, and compared
     with the other two conditions. DIR gets report.html, which needs nothing else, the figures as
     SVG and PNG, and every number as CSV and JSON.
 
+    With --task the report shows, for any task, what the robots do on its map with simulated people
+    of different adaptability, how well, and what they believe on the way.
+
     If an option cannot be used or DIR cannot be written the exit code is 2.
     """
     start = perf_counter()
+    write = _report_paper if task is None else partial(_report_task, task)
+    with _stages(quiet) as tell:
+        numbers, summary = write(out, runs, seed, gap, tell)
+    if as_json:
+        click.echo(numbers, nl=False)
+        return
+    from coadapt.report.write import PAGE
+
+    click.echo(summary)
+    click.echo(f"\nReport, made in {perf_counter() - start:.1f} s: {(out / PAGE).resolve()}")
+
+
+def _report_paper(
+    out: Path, runs: int, seed: int, gap: float | None, tell: Callable[[str], None]
+) -> tuple[str, str]:
+    """Write the report of the published results; its numbers as JSON, and a summary."""
     from coadapt.report.reproduce import Settings, reproduce
     from coadapt.report.tables import to_json
-    from coadapt.report.write import PAGE, make_files, require_writable, write_files
+    from coadapt.report.write import make_files, require_writable, write_files
 
     try:
-        settings = Settings(runs=runs, seed=seed, gap=gap)
+        settings = Settings(runs=runs, seed=seed) if gap is None else Settings(runs, seed, gap)
     except ValueError as error:
         raise InputError(f"--{error}") from error
     require_writable(out)
-    with _stages(quiet) as tell:
-        found = reproduce(settings, tell)
-        write_files(make_files(found, tell), out)
-    if as_json:
-        click.echo(to_json(found), nl=False)
-        return
-    click.echo(_summary(found))
-    click.echo(f"\nReport, made in {perf_counter() - start:.1f} s: {(out / PAGE).resolve()}")
+    found = reproduce(settings, tell)
+    write_files(make_files(found, tell), out)
+    return to_json(found), _summary(found)
+
+
+def _report_task(
+    task: str, out: Path, runs: int, seed: int, gap: float | None, tell: Callable[[str], None]
+) -> tuple[str, str]:
+    """Write the report of ``task``; its numbers as JSON, and a summary."""
+    from coadapt.report.task.files import make_task_files, task_json, task_summary
+    from coadapt.report.task.results import TaskSettings, task_results
+    from coadapt.report.write import require_writable, write_files
+    from coadapt.tasks import load_task
+
+    loaded = load_task(task)
+    try:
+        settings = TaskSettings(runs, seed) if gap is None else TaskSettings(runs, seed, gap)
+    except ValueError as error:
+        raise InputError(f"--{error}") from error
+    require_writable(out)
+    found = task_results(task, loaded.title, loaded.about, loaded.build(), settings, tell)
+    write_files(make_task_files(found, tell), out)
+    return task_json(found), task_summary(found)
 
 
 def _summary(found: Reproduction) -> str:

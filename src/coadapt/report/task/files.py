@@ -53,8 +53,8 @@ def task_json(found: TaskResults) -> str:
     numbers: dict[str, Any] = {
         "format": FORMAT,
         "task": found.name,
-        "runs": found.runs,
-        "seed": found.seed,
+        "runs": found.settings.runs,
+        "seed": found.settings.seed,
         "observed": observed,
         "hidden": hidden,
         "actions": actions,
@@ -79,3 +79,25 @@ def task_json(found: TaskResults) -> str:
         ],
     }
     return json.dumps(numbers, indent=2) + "\n"
+
+
+def task_summary(found: TaskResults) -> str:
+    """The main numbers as a table of plain text."""
+    rows = [["alpha", *(robot.label.lower() for robot in found.robots)]]
+    for i, alpha in enumerate(p.alpha for p in found.planned.by_alpha):
+        met = [robot.by_alpha[i] for robot in found.robots]
+        rows.append([f"{alpha:g}", *(f"{p.reward:.3f} +- {p.standard_error:.3f}" for p in met)])
+    widths = [max(len(row[i]) for row in rows) for i in range(len(rows[0]))]
+    first, solution = found.model.mode_names[found.first_mode], found.solution
+    return "\n".join(
+        [
+            f"Mean reward of the goal reached; users begin in mode {first}.",
+            "",
+            *(
+                "  ".join(cell.rjust(width) for cell, width in zip(row, widths, strict=True))
+                for row in rows
+            ),
+            "",
+            f"Bounds of the task's value: {solution.lower:.4f} to {solution.upper:.4f}.",
+        ]
+    )

@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from math import sqrt
+from math import inf, sqrt
 
 import numpy as np
 
@@ -36,6 +36,32 @@ MOST_BACKUPS = 20_000
 
 MAX_STEPS = 200
 """Of a simulated episode."""
+
+
+@dataclass(frozen=True)
+class TaskSettings:
+    """What can be chosen.
+
+    Attributes:
+        runs: simulated episodes for each robot and adaptability, at least 2.
+        seed: from which all episodes are drawn, at least 0.
+        gap: the planner stops when its bounds are this close, in reward units, above 0.
+
+    Raises:
+        ValueError: if a value is out of its range.
+    """
+
+    runs: int = 1000
+    seed: int = 0
+    gap: float = GAP
+
+    def __post_init__(self) -> None:
+        if self.runs < 2:
+            raise ValueError(f"runs must be at least 2, not {self.runs}")
+        if self.seed < 0:
+            raise ValueError(f"seed must be at least 0, not {self.seed}")
+        if not 0 < self.gap < inf:
+            raise ValueError(f"gap must be a number above 0, not {self.gap:g}")
 
 
 @dataclass(frozen=True)
@@ -88,7 +114,7 @@ class TaskResults:
         solution: the plan of the first robot.
         first_mode: the mode in which the simulated partners begin.
         robots: the one that the plan is for first.
-        runs, seed: of the simulations.
+        settings: what was asked for.
     """
 
     name: str
@@ -98,8 +124,7 @@ class TaskResults:
     solution: Solution
     first_mode: int
     robots: tuple[RobotPerformance, ...]
-    runs: int
-    seed: int
+    settings: TaskSettings
 
     @property
     def planned(self) -> RobotPerformance:
@@ -108,31 +133,22 @@ class TaskResults:
 
 
 def task_results(
-    model: SharedAutonomy | Collaboration,
-    *,
     name: str,
     title: str,
     about: str,
-    runs: int = 500,
-    seed: int = 0,
-    gap: float = GAP,
+    model: SharedAutonomy | Collaboration,
+    settings: TaskSettings,
     progress: Progress | None = None,
 ) -> TaskResults:
     """Plan, and simulate every robot with partners of every adaptability.
 
     Args:
-        model: world and people.
         name, title, about: of the task.
-        runs: simulated episodes for each robot and adaptability, at least 2.
-        seed: from which all episodes are drawn.
-        gap: the planner stops when its bounds are this close, in reward units.
+        model: world and people.
+        settings: what can be chosen.
         progress: told what is being done.
-
-    Raises:
-        ValueError: if there are too few runs.
     """
-    if runs < 2:
-        raise ValueError(f"runs must be at least 2, not {runs}")
+    gap = settings.gap
     tell: Progress = (lambda _: None) if progress is None else progress
     tell("Solving the task")
     solution = solve(model.to_momdp(), gap, MOST_BACKUPS)
@@ -149,7 +165,7 @@ def task_results(
     found: list[RobotPerformance] = []
     for label, robot in robots:
         tell(f"Simulating: {label}")
-        found.append(_simulated(label, robot, first_mode, runs, seed))
+        found.append(_simulated(label, robot, first_mode, settings))
     return TaskResults(
         name=name,
         title=title,
@@ -158,8 +174,7 @@ def task_results(
         solution=solution,
         first_mode=first_mode,
         robots=tuple(found),
-        runs=runs,
-        seed=seed,
+        settings=settings,
     )
 
 
@@ -177,16 +192,16 @@ def _first_mode(model: Model) -> int:
 
 
 def _simulated(
-    label: str, robot: Decider, first_mode: int, runs: int, seed: int
+    label: str, robot: Decider, first_mode: int, settings: TaskSettings
 ) -> RobotPerformance:
     # Every robot meets partners drawn from the same seeds.
-    children = np.random.SeedSequence(seed).spawn(len(ALPHAS))
+    children = np.random.SeedSequence(settings.seed).spawn(len(ALPHAS))
     by_alpha: list[Performance] = []
     samples: list[Episode] = []
     for alpha, child in zip(ALPHAS, children, strict=True):
         partner = SimulatedPartner(alpha, first_mode)
         rng = np.random.default_rng(child)
-        episodes = simulate(robot, partner, runs, rng, max_steps=MAX_STEPS)
+        episodes = simulate(robot, partner, settings.runs, rng, max_steps=MAX_STEPS)
         by_alpha.append(_summary(robot.model, alpha, episodes))
         samples.append(episodes[0])
     return RobotPerformance(label, tuple(by_alpha), (samples[0], samples[-1]))
