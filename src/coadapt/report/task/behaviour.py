@@ -5,6 +5,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection, PatchCollection
@@ -101,21 +103,44 @@ def _map(axes: Axes, model: Model, shown: Performance) -> None:
             zorder=6,
         )
         centre = region.mean(axis=0)
-        text = f"{goal.name}, {goal.reward:g}\n{100 * float(shown.goals[g]):.0f} % end here"
-        _name(axes, centre, text, INK, up=bool(centre[1] >= middle))
+        share = f"{100 * float(shown.goals[g]):.0f} %"
+        text = f"{goal.name}, {goal.reward:g}\n{share}{' end here' if len(world.goals) < 3 else ''}"
+        side = _side(world.positions, [other.states for other in world.goals], g)
+        _name(axes, centre, text, INK, up=bool(centre[1] >= middle), side=side)
+
+
+def _side(place: FloatArray, goals: Sequence[Sequence[int]], g: int) -> str | None:
+    """Where the label of goal ``g`` has room: left or right if another goal is close beside it."""
+    centres = np.array([place[list(states)].mean(axis=0) for states in goals])
+    aside, ahead = (centres - centres[g]).T
+    wide = np.ptp(place[:, 0])
+    beside = (np.abs(ahead) < 0.15 * max(np.ptp(place[:, 1]), 1.0)) & (aside != 0)
+    close = aside[beside & (np.abs(aside) < max(0.3 * wide, 1.5))]
+    if len(close) == 0 or (close.min() < 0 < close.max()):
+        return None
+    return "right" if close.min() > 0 else "left"
 
 
 def _name(
-    axes: Axes, where: FloatArray, text: str, color: str, *, up: bool, inside: bool = True
+    axes: Axes,
+    where: FloatArray,
+    text: str,
+    color: str,
+    *,
+    up: bool,
+    inside: bool = True,
+    side: str | None = None,
 ) -> None:
     low, high = axes.get_xlim()
     part = (where[0] - low) / (high - low)
+    if side is None and inside:
+        side = "left" if part < 0.15 else "right" if part > 0.85 else None
     axes.annotate(
         text,
         (float(where[0]), float(where[1])),
         xytext=(0, 7 if up else -7),
         textcoords="offset points",
-        ha="left" if inside and part < 0.15 else "right" if inside and part > 0.85 else "center",
+        ha=side or "center",
         va="bottom" if up else "top",
         color=color,
         fontsize=6.5,

@@ -5,6 +5,8 @@
 
 from __future__ import annotations
 
+from itertools import pairwise
+
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
@@ -65,10 +67,11 @@ def _modes(axes: Axes, found: TaskResults, episode: Episode) -> None:
 
 
 def _switches(axes: Axes, episode: Episode) -> None:
-    """A line where the partner changes their mode."""
-    for t in range(1, len(episode.modes)):
-        if episode.modes[t] != episode.modes[t - 1]:
-            axes.axvline(t + 0.5, color=MUTED, linewidth=0.8, linestyle=(0, (2, 2)), zorder=0)
+    """A line where the partner changes their mode, the first of them named."""
+    changes = [t for t, (a, b) in enumerate(pairwise(episode.modes), start=1) if a != b]
+    for i, t in enumerate(changes):
+        axes.axvline(t + 0.5, color=MUTED, linewidth=0.8, linestyle=(0, (2, 2)), zorder=0)
+        if i == 0:
             axes.text(t + 0.5, 1.07, "switches", color=MUTED, fontsize=6, ha="center", va="bottom")
 
 
