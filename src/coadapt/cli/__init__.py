@@ -17,7 +17,7 @@ COMMANDS = {
     "evaluate": "Evaluate a policy by simulation and exactly.",
     "play": "Steer the robot with the arrow keys, in this terminal.",
     "replay": "Run a recorded log of human inputs through a robot.",
-    "reproduce": "Write the report of the published results.",
+    "reproduce": "Write the report of the published results, or of a task.",
     "solve": "Plan for a problem: a policy with certified bounds.",
 }
 """Every command with its one-line summary; ``coadapt.cli.NAME`` holds it as ``command``."""
