@@ -15,7 +15,7 @@ from typing import final
 
 import numpy as np
 
-from coadapt.arrays import FloatArray, IntArray
+from coadapt.arrays import BoolArray, FloatArray, IntArray
 from coadapt.errors import FileError
 from coadapt.momdp.files.layered import WILD, steps
 from coadapt.momdp.files.limits import MAX_ENTRIES
@@ -113,9 +113,17 @@ class RewardRules:
         """
         actions, states, _, _ = self._sizes
         layers = self._layers()
-        reward = np.zeros((actions, states))
+        common = [layer for layer in layers if 0 not in layer.axes]
+        has_own = self._with_entries_of_their_own(layers)
+        place = np.arange(states)
         with np.errstate(over="ignore", invalid="ignore"):
-            for a in range(actions):
+            # What there may be many of are actions of which nothing is said but of all together.
+            reward = np.tile(self._lookup(common, (0, place, 0, 0), states), (actions, 1))
+            if {2, 3}.isdisjoint(axis for layer in common for axis in layer.axes):
+                special = np.flatnonzero(has_own)
+            else:
+                special = np.arange(actions)
+            for a in map(int, special):
                 own = [layer for layer in layers if self._has_action(layer, a)]
                 needed = {axis for layer in own for axis in layer.axes}
                 if 3 in needed:
@@ -123,7 +131,6 @@ class RewardRules:
                 elif 2 in needed:
                     reward[a] = self._by_successor(own, a, moves(a))
                 else:
-                    place = np.arange(states)
                     reward[a] = self._lookup(own, (a, place, 0, 0), states)
         if not np.isfinite(reward).all():
             raise FileError(
@@ -210,6 +217,14 @@ class RewardRules:
             kept = np.r_[key[1:] != key[:-1], True]
             layers.append(_Layer(axes, key[kept], order[kept], value[kept]))
         return layers
+
+    def _with_entries_of_their_own(self, layers: list[_Layer]) -> BoolArray:
+        """``[A]`` whether an entry names the action."""
+        named = np.zeros(self._sizes[0], dtype=np.bool_)
+        for layer in layers:
+            if 0 in layer.axes:
+                named[layer.key // self._steps[0]] = True
+        return named
 
     def _has_action(self, layer: _Layer, a: int) -> bool:
         if 0 not in layer.axes:
