@@ -27,12 +27,11 @@ def enumerate_histories(robot: Collaborator, partner: SimulatedPartner, longest:
 
     The person is that of the definitions, with one adaptability that is known.
     """
-    assert isinstance(partner.adaptability, float)
     assert partner.mode is not None
     world = robot.model.world
     person = replace(
         robot.model,
-        adaptability=Adaptability.over([partner.adaptability]),
+        adaptability=Adaptability.over(partner.rates(len(world.goals))[None]),
         mode_prior=np.eye(len(world.goals))[partner.mode].tolist(),
     )
     sums = np.zeros(len(world.goals) + 1)
@@ -70,14 +69,15 @@ def enumerate_histories(robot: Collaborator, partner: SimulatedPartner, longest:
     return sums
 
 
-@given(collaborations(goals=2), st.floats(0, 1), st.integers(0, 2**32))
+@given(collaborations(goals=2), st.booleans(), st.integers(0, 2**32))
 @settings(max_examples=25)
 def test_the_evaluation_is_that_of_the_histories(
-    model: Collaboration, alpha: float, seed: int
+    model: Collaboration, by_goal: bool, seed: int
 ) -> None:
-    rng = np.random.default_rng(seed)
+    rng, goals = np.random.default_rng(seed), len(model.world.goals)
     robot = Collaborator(model, some_policy(model, rng))
-    partner = SimulatedPartner(alpha, mode=int(rng.integers(len(model.world.goals))))
+    alpha = tuple(rng.random(goals).tolist()) if by_goal else float(rng.random())
+    partner = SimulatedPartner(alpha, mode=int(rng.integers(goals)))
     expected = enumerate_histories(robot, partner, 4)
     found = evaluate(robot, partner, max_steps=4, tolerance=1e-9)
     np.testing.assert_allclose(found.goal_probability, expected[:-1], atol=1e-9)
