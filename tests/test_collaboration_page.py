@@ -10,6 +10,7 @@ import pytest
 
 import coadapt as ca
 from coadapt.formalism.collaboration import OBSERVED
+from coadapt.formalism.shared_autonomy import PAPER_ADAPTABILITY
 from coadapt.robots import Collaborator
 from tests.simulation.test_collaboration import after_tasks
 
@@ -24,9 +25,9 @@ def table(heading: str) -> list[list[str]]:
     return [[cell.strip(" *`") for cell in row.strip("| ").split("|")] for row in rows]
 
 
-def collaborator(task: str) -> Collaborator:
+def collaborator(task: str, adaptability: tuple[float, ...] = PAPER_ADAPTABILITY) -> Collaborator:
     world = ca.worlds.table_carrying() if task == "table" else ca.worlds.hallway()
-    model = ca.Collaboration(world)
+    model = ca.Collaboration(world, adaptability=adaptability)
     return Collaborator(model, ca.SARSOP(gap=1e-3).solve(model.to_momdp()).policy)
 
 
@@ -58,6 +59,15 @@ def test_what_the_robot_does() -> None:
         numbers = [x for e in found for x in (e.goal_probability[1], e.steps)]
         # Evaluation is exact up to 0.001.
         assert numbers == pytest.approx([float(x) for x in shown], abs=0.01)
+
+
+def test_robots_that_think_they_know_the_person() -> None:
+    robots = [collaborator("table", (0.0,)), collaborator("table", (1.0,))]
+    for alpha, *shown in table("α | taken for stubborn"):
+        partner = ca.SimulatedPartner(float(alpha), mode=0)
+        found = [ca.evaluate(robot, partner, max_steps=200) for robot in robots]
+        numbers = [x for e in found for x in e.goal_probability[::-1]]
+        assert numbers == pytest.approx([float(x) for x in shown], abs=0.002)
 
 
 def test_how_long_the_robot_insists() -> None:
