@@ -42,5 +42,6 @@ def hallway(*, worse_reward: float = 10.0, better_reward: float = 11.0) -> Joint
         state_names=tuple(f"human {human} robot {robot}" for human in SIDES for robot in SIDES),
         action_names=("left", "right"),
         human_action_names=("left", "right"),
-        positions=np.array([[h + 0.2 * r, h - r] for h in (0.0, 1.0) for r in (0.0, 1.0)]),
+        # The goals to the left and right, the places where they block each other between them.
+        positions=np.array([[h - r, 0.6 * (h + r - 1)] for h in (0.0, 1.0) for r in (0.0, 1.0)]),
     )
