@@ -32,7 +32,6 @@ from coadapt.momdp.sarsop.tree import (
     ENTRIES,
     GROUPS,
     KEPT,
-    LANES,
     LISTED,
     NODES,
     NONE,
@@ -178,7 +177,7 @@ class Search:
         states = p.reward.shape[0]
         room = np.zeros_like(self._room)
         room[VECTORS] = states * len(policies)
-        room[GROUPS] = states * -(-len(policies) // LANES)
+        room[GROUPS] = states * -(-len(policies) // tree.lane_alpha.shape[2])
         tree = grow(tree, room)
         sweeps = min(SWEEPS, max(5, VALUES // self._problem.states))
         for policy, order in policies:

@@ -32,8 +32,13 @@ LISTED, KEPT = 9, 10  # alpha vectors in the lists now, and after the last time 
 LISTED_POINTS, KEPT_POINTS = 11, 12  # the same of points
 COUNTS = 13
 
-LANES = 8
-"""Alpha vectors in a group."""
+LANES = 32
+"""Alpha vectors in a group, where there are few states."""
+
+FEW_LANES = 8
+"""Where there are many: most observed states then have few vectors."""
+
+FEW_STATES = 1 << 16
 
 NODE = np.dtype(
     [
@@ -101,8 +106,8 @@ POINT = np.dtype(
 
 
 class Tree(NamedTuple):
-    """The arrays. Sizes: N nodes, S belief entries, R branches, C children, V vectors, G groups,
-    P points."""
+    """The arrays. Sizes: N nodes, S belief entries, R branches, C children, V vectors, G groups of
+    L vectors, P points."""
 
     used: IntArray  # [COUNTS] how much of each array is in use
     nodes: Records  # [N]
@@ -113,8 +118,8 @@ class Tree(NamedTuple):
     vectors: Records  # [V]
     alpha: FloatArray  # [V, Y]
     groups: Records  # [G]
-    lane_vector: IntArray  # [G, LANES] the alpha vector in each lane
-    lane_alpha: FloatArray  # [G, Y, LANES] its values
+    lane_vector: IntArray  # [G, L] the alpha vector in each lane
+    lane_alpha: FloatArray  # [G, Y, L] its values
     points: Records  # [P]
     newest_vector: IntArray  # [X]
     newest_group: IntArray  # [X]
@@ -144,6 +149,7 @@ BUCKETS = 1 << 18
 def new_tree(p: Problem, informed: FloatArray) -> Tree:
     """An empty tree over ``informed`` ``[X, A, Y]``, the upper bound to start from."""
     states, _, hidden = p.reward.shape
+    lanes = LANES if states * hidden <= FEW_STATES else FEW_LANES
     return Tree(
         used=np.zeros(COUNTS, dtype=np.int64),
         nodes=np.zeros(SMALL, NODE),
@@ -154,8 +160,8 @@ def new_tree(p: Problem, informed: FloatArray) -> Tree:
         vectors=np.zeros(SMALL, VECTOR),
         alpha=np.zeros((SMALL, hidden)),
         groups=np.zeros(SMALL, GROUP),
-        lane_vector=np.zeros((SMALL, LANES), np.int64),
-        lane_alpha=np.zeros((SMALL, hidden, LANES)),
+        lane_vector=np.zeros((SMALL, lanes), np.int64),
+        lane_alpha=np.zeros((SMALL, hidden, lanes)),
         points=np.zeros(SMALL, POINT),
         newest_vector=np.full(states, np.int64(NONE)),
         newest_group=np.full(states, np.int64(NONE)),
