@@ -7,6 +7,7 @@ import numpy as np
 from coadapt.arrays import FloatArray, IntArray
 from coadapt.momdp.sarsop.jit import inner, kernel
 from coadapt.momdp.sarsop.tree import (
+    BLOCK,
     GROUPS,
     LISTED,
     LISTED_POINTS,
@@ -91,7 +92,12 @@ def refresh_upper(tree: Tree, n: int, scratch: FloatArray) -> float:
     outside = ~node["support"]
     while i_point > seen:
         point = tree.points[i_point]
-        if point["drop"] > below and point["support"] & outside == 0:
+        if (
+            point["drop"] > below
+            and point["support"] & outside == 0
+            # Where it failed last it fails most often: one look instead of many.
+            and scratch[point["tight_y"]] * point["drop"] > below * point["tight_mass"]
+        ):
             below = max(below, drop_by(tree, int(i_point), below, scratch))
         i_point = point["older"]
     for i in range(first, last):
@@ -104,7 +110,7 @@ def refresh_upper(tree: Tree, n: int, scratch: FloatArray) -> float:
 def drop_by(tree: Tree, i: int, above: float, mass: FloatArray) -> float:
     """How far below the corners point ``i`` brings the bound at the belief ``mass`` ``[Y]``.
 
-    0 unless it is more than ``above``.
+    0 unless it is more than ``above``; then the point remembers the hidden state that told.
     """
     point = tree.points[i]
     first = point["first_entry"]
@@ -113,6 +119,8 @@ def drop_by(tree: Tree, i: int, above: float, mass: FloatArray) -> float:
     for j in range(first, first + point["entries"]):
         here = mass[tree.entry_y[j]]
         if here <= needed * tree.entry_mass[j]:
+            point["tight_y"] = tree.entry_y[j]
+            point["tight_mass"] = tree.entry_mass[j]
             return 0.0
         ratio = min(ratio, here / tree.entry_mass[j])
     return ratio * point["drop"]
@@ -199,15 +207,26 @@ def add_point(tree: Tree, n: int) -> None:
     drop = node["corners"] - node["upper"]
     if drop <= 0.0:
         return
-    i = tree.used[POINTS]
-    tree.used[POINTS] += 1
+    i = place_of_point(tree, tree.newest_point[node["x"]])
     point = tree.points[i]
     point["node"] = n
     point["first_entry"] = node["first_entry"]
     point["entries"] = node["entries"]
     point["support"] = node["support"]
     point["drop"] = drop
+    point["tight_y"] = tree.entry_y[node["first_entry"]]
+    point["tight_mass"] = tree.entry_mass[node["first_entry"]]
     point["older"] = tree.newest_point[node["x"]]
     tree.newest_point[node["x"]] = i
     node["point"] = i
     tree.used[LISTED_POINTS] += 1
+
+
+@inner
+def place_of_point(tree: Tree, newest: int) -> int:
+    """Where the point after ``newest`` of its observed state goes: beside it, or to a new block."""
+    if newest != NONE and newest % BLOCK != BLOCK - 1:
+        return newest + 1
+    i = int(tree.used[POINTS])
+    tree.used[POINTS] += BLOCK
+    return i

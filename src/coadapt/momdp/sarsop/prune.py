@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from coadapt.arrays import FloatArray, IntArray
-from coadapt.momdp.sarsop.bounds import add_lane, drop_by
+from coadapt.momdp.sarsop.bounds import add_lane, drop_by, place_of_point
 from coadapt.momdp.sarsop.jit import inner, kernel
 from coadapt.momdp.sarsop.tree import (
     GROUPS,
@@ -110,38 +110,6 @@ def prune_vectors(tree: Tree) -> None:
     regroup(tree)
 
 
-@inner
-def retire_points(tree: Tree) -> None:
-    """Leave out of the look-up the points that the others make superfluous.
-
-    A node's own bound stays. What is lost elsewhere is at most a small part of the gap there.
-    """
-    points = tree.points
-    mass = np.zeros(tree.corner.shape[1])
-    stack = np.empty(tree.used[POINTS], dtype=np.int64)
-    kept = 0
-    for x in range(tree.newest_point.shape[0]):
-        size = 0
-        i = tree.newest_point[x]
-        while i != NONE:
-            if tree.nodes[points[i]["node"]]["point"] == i:
-                stack[size] = i
-                size += 1
-            i = points[i]["older"]
-        newest = NONE
-        for j in range(size - 1, -1, -1):
-            i = stack[j]
-            if is_superfluous(tree, stack[:size], j, mass):
-                tree.nodes[points[i]["node"]]["point"] = NONE
-                stack[j] = NONE
-            else:
-                points[i]["older"] = newest
-                newest = i
-                kept += 1
-        tree.newest_point[x] = newest
-    tree.used[LISTED_POINTS] = tree.used[KEPT_POINTS] = kept
-
-
 SMALL_PART = 0.002
 """Of the gap at a point: how much it must tighten the bound there."""
 
@@ -178,31 +146,56 @@ def is_superfluous(tree: Tree, others: IntArray, j: int, mass: FloatArray) -> bo
 
 
 @kernel
-def prune_points(tree: Tree) -> None:
-    """Drop the points that are in no list, keeping the order of the rest."""
-    retire_points(tree)
-    count = tree.used[POINTS]
-    place = np.empty(count, dtype=np.int64)  # where the newest point kept so far goes
-    used = 0
+def retire_points(tree: Tree) -> None:
+    """Drop the points that the others make superfluous; the rest move together, in their order.
+
+    A node's own bound stays. What is lost elsewhere is at most a small part of the gap there.
+    """
+    mass = np.zeros(tree.corner.shape[1])
+    stack = np.empty(tree.used[POINTS], dtype=np.int64)
     for x in range(tree.newest_point.shape[0]):
-        tree.newest_point[x] = NONE
-    for i in range(count):
-        old = tree.points[i]
-        n = old["node"]
-        if tree.nodes[n]["point"] == i:
-            x = tree.nodes[n]["x"]
-            new = tree.points[used]
-            new["node"] = n
-            new["first_entry"] = old["first_entry"]
-            new["entries"] = old["entries"]
-            new["support"] = old["support"]
-            new["drop"] = old["drop"]
-            tree.nodes[n]["point"] = used
-            new["older"] = tree.newest_point[x]
-            tree.newest_point[x] = used
-            used += 1
-        place[i] = used - 1
+        size = 0
+        i = tree.newest_point[x]
+        while i != NONE:
+            if tree.nodes[tree.points[i]["node"]]["point"] == i:
+                stack[size] = i
+                size += 1
+            i = tree.points[i]["older"]
+        for j in range(size - 1, -1, -1):
+            if is_superfluous(tree, stack[:size], j, mass):
+                tree.nodes[tree.points[stack[j]]["node"]]["point"] = NONE
+                stack[j] = NONE
+    close_ranks(tree, stack)
+
+
+@inner
+def close_ranks(tree: Tree, stack: IntArray) -> None:
+    """Lay out anew the points that are their nodes' own; ``stack`` is scratch for as many."""
+    old = tree.points[: tree.used[POINTS]].copy()
+    place = np.empty(old.shape[0], dtype=np.int64)  # where the newest one kept, up to each, goes
+    tree.used[POINTS] = 0
+    kept = 0
+    for x in range(tree.newest_point.shape[0]):
+        size = 0
+        i = tree.newest_point[x]
+        while i != NONE:
+            stack[size] = i
+            size += 1
+            i = old[i]["older"]
+        newest = NONE
+        for j in range(size - 1, -1, -1):
+            i = stack[j]
+            node = tree.nodes[old[i]["node"]]
+            if node["point"] == i:
+                here = place_of_point(tree, newest)
+                tree.points[here] = old[i]
+                tree.points[here]["older"] = newest
+                node["point"] = here
+                newest = here
+                kept += 1
+            place[i] = newest
+        tree.newest_point[x] = newest
     for n in range(tree.used[NODES]):
         if tree.nodes[n]["points_seen"] != NONE:
             tree.nodes[n]["points_seen"] = place[tree.nodes[n]["points_seen"]]
-    tree.used[POINTS] = used
+    tree.used[LISTED_POINTS] = tree.used[KEPT_POINTS] = kept

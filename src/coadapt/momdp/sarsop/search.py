@@ -20,12 +20,13 @@ from coadapt.momdp.sarsop.initial import (
 )
 from coadapt.momdp.sarsop.jit import is_compiled
 from coadapt.momdp.sarsop.problem import Problem, as_arrays
-from coadapt.momdp.sarsop.prune import prune_points, prune_vectors
+from coadapt.momdp.sarsop.prune import prune_vectors, retire_points
 from coadapt.momdp.sarsop.sample import CLOSED, NO_ROOM, STALLED, Bins, new_bins, run_trials
 from coadapt.momdp.sarsop.solution import Record, Solution, Status
 from coadapt.momdp.sarsop.start import controller, controller_values
 from coadapt.momdp.sarsop.tree import (
     BACKUPS,
+    BLOCK,
     BRANCHES,
     CHILDREN,
     COUNTS,
@@ -98,7 +99,8 @@ class Search:
         self._room[NODES] = self._room[CHILDREN] = actions * fan
         self._room[ENTRIES] = actions * fan * hidden
         self._room[BRANCHES] = actions
-        self._room[VECTORS] = self._room[GROUPS] = self._room[POINTS] = 1
+        self._room[VECTORS] = self._room[GROUPS] = 1
+        self._room[POINTS] = BLOCK
         self._tree, self._bins = self._begin(self._arrays, start)
         self._roots = self._plant()
 
@@ -135,7 +137,7 @@ class Search:
     def tidy(self) -> None:
         """Forget vectors and points that others replaced."""
         prune_vectors(self._tree)
-        prune_points(self._tree)
+        retire_points(self._tree)
 
     def record(self, seconds: float) -> Record:
         lower, upper = self._root_bounds()

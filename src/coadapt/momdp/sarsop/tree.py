@@ -40,6 +40,9 @@ FEW_LANES = 8
 
 FEW_STATES = 1 << 16
 
+BLOCK = 16
+"""Upper-bound points of one observed state that lie side by side."""
+
 NODE = np.dtype(
     [
         ("x", np.int64),  # observed state
@@ -100,6 +103,8 @@ POINT = np.dtype(
         ("entries", np.int64),
         ("support", np.int64),
         ("drop", np.float64),  # how far below the corners the bound lies there
+        ("tight_y", np.int64),  # the hidden state that last kept it from being of use
+        ("tight_mass", np.float64),  # its probability
         ("older", np.int64),  # next in the list of its observed state
     ]
 )
