@@ -96,16 +96,19 @@ GROUP = np.dtype(
     ]
 )
 
+# 64 bytes, which is what a processor fetches at once.
 POINT = np.dtype(
     [
-        ("node", np.int64),
-        ("first_entry", np.int64),  # of the node's belief
-        ("entries", np.int64),
-        ("support", np.int64),
         ("drop", np.float64),  # how far below the corners the bound lies there
-        ("tight_y", np.int64),  # the hidden state that last kept it from being of use
-        ("tight_mass", np.float64),  # its probability
+        ("support", np.int64),  # of its belief
+        ("last_mass", np.float64),  # probability of the first hidden state below
+        ("other_mass", np.float64),  # and of the second
+        ("last_y", np.int32),  # the hidden state that last kept it from being of use elsewhere
+        ("other_y", np.int32),  # the one before
         ("older", np.int64),  # next in the list of its observed state
+        ("first_entry", np.int64),  # where its belief begins
+        ("node", np.int32),  # whose belief it is
+        ("entries", np.int32),  # how many hidden states it gives mass
     ]
 )
 
