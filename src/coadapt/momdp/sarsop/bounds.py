@@ -216,7 +216,7 @@ def add_point(tree: Tree, n: int) -> None:
     drop = node["corners"] - node["upper"]
     if drop <= 0.0:
         return
-    i = place_of_point(tree, tree.newest_point[node["x"]])
+    i = place_of_point(tree, int(tree.newest_point[node["x"]]))
     point = tree.points[i]
     point["node"] = n
     point["first_entry"] = node["first_entry"]
