@@ -133,6 +133,7 @@ def test_the_paper_task(capsys: pytest.CaptureFixture[str]) -> None:
         (["tiger.pomdpx", "--time-limit", "-1"], "--time-limit must be at least 0"),
         (["tiger.pomdpx", "--max-backups", "-1"], "--max-backups must be at least 0"),
         (["tiger.pomdpx", "--memory-limit", "0"], "--memory-limit"),
+        (["tiger.pomdpx", "--memory-limit", "1"], "--memory-limit 1: the first bounds take"),
         (["tiger.pomdpx", "--out", "p.txt"], "p.txt: found a name that ends in '.txt', expected"),
         (["tiger.pomdpx", "--out", "no/p.policyx"], "no/p.policyx: cannot be written: No such"),
         (["tiger.pomdpx", "--out", "dir.policyx"], "dir.policyx: found something else than a file"),

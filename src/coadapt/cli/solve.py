@@ -26,7 +26,7 @@ INTERRUPTED = 128 + 2
 """Exit code after Ctrl-C, which ends the search but not the program."""
 
 TRACE = ("seconds", "backups", "lower", "upper", "gap", "vectors")
-"""Columns of the trace: the fields of a `Record`."""
+"""Columns of the trace: fields of a `Record`."""
 
 ENDS = {
     "gap": "gap reached",
@@ -145,6 +145,11 @@ def command(
     launch_seconds = seconds_since_launch()
     try:
         solution = solver.solve(momdp, start)
+    except MemoryError as error:
+        if memory_limit is None:
+            raise
+        _, _, rest = str(error).partition(": ")
+        raise InputError(f"--memory-limit {memory_limit}: {rest or 'not enough'}") from error
     except ValueError as error:
         if start_policy is None:
             raise

@@ -202,6 +202,14 @@ def test_it_stops_at_the_memory() -> None:
     assert np.all(solution.root_upper >= solved.root_lower - ROUNDING)
     more = SARSOP(gap=1e-9, memory_limit=16 << 20, max_backups=20_000).solve(problem)
     assert more.backups > solution.backups
+    for found, limit in ((solution, 4 << 20), (more, 16 << 20)):
+        assert all(0 < record.memory <= limit for record in found.trace)
+
+
+def test_it_refuses_where_the_first_bounds_take_more_memory() -> None:
+    problem, _ = table_clearing()
+    with pytest.raises(MemoryError, match=r"memory_limit: the first bounds take [\d,]+ bytes"):
+        SARSOP(memory_limit=2 << 20).solve(problem)
 
 
 def test_it_stops_at_the_time() -> None:

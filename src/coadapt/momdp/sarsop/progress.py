@@ -51,5 +51,6 @@ class ProgressLine:
         rate = r.backups / r.seconds if r.seconds > 0 else 0.0
         self._status.update(
             f"lower {r.lower:.4f}  upper {r.upper:.4f}  gap {r.gap:.2e}  "
-            f"{r.backups:,} backups ({rate:,.0f}/s)  {r.vectors:,} vectors  {r.seconds:.0f} s"
+            f"{r.backups:,} backups ({rate:,.0f}/s)  {r.vectors:,} vectors  "
+            f"{r.memory / 2**20:,.0f} MB  {r.seconds:.0f} s"
         )

@@ -40,8 +40,11 @@ from coadapt.momdp.sarsop.tree import (
     VECTORS,
     Tree,
     grow,
+    lacking,
     new_tree,
     size_after,
+    size_of,
+    size_of_first,
 )
 
 SWEEPS = 10_000
@@ -80,15 +83,26 @@ def compile_kernels() -> None:
         roots=[Root(0, np.ones(1))],
     )
     search = Search(problem, AlphaVectorPolicy(np.array([0, 1]), np.zeros((1, 1)), np.array([0])))
-    search.run(1e-3, 0.0, None, 1)
-    search.tidy()
+    search.run(1e-3, 0.0, 1)
+    search.tidy(np.full(COUNTS, 1 << 40))  # more than there is
     _ = search.record(0.0)
 
 
 class Search:
     """One search of one problem."""
 
-    def __init__(self, problem: MOMDP, start: AlphaVectorPolicy | None = None) -> None:
+    def __init__(
+        self,
+        problem: MOMDP,
+        start: AlphaVectorPolicy | None = None,
+        memory_limit: int | None = None,
+    ) -> None:
+        """The first bounds of ``problem``, in at most ``memory_limit`` bytes of arrays.
+
+        Raises:
+            MemoryError: if they take more.
+        """
+        self._memory_limit = memory_limit
         self._problem = problem
         self._weight = np.array([root.probability for root in problem.roots])
         self._arrays = as_arrays(problem)
@@ -108,36 +122,41 @@ class Search:
     def backups(self) -> int:
         return int(self._tree.used[BACKUPS])
 
-    def run(
-        self, gap: float, relative_gap: float, memory_limit: int | None, backups: int
-    ) -> Status | None:
-        """Do about ``backups`` backups; why there is no point in going on, or None."""
-        stop = self.backups + backups
-        while True:
-            ahead = max(stop - self.backups, 0)
-            state = run_trials(
-                self._arrays,
-                self._tree,
-                self._bins,
-                self._roots,
-                gap,
-                relative_gap,
-                ahead,
-                self._room,
-            )
-            if state != NO_ROOM:
-                return ENDS.get(state)
-            self.tidy()
-            # Ask for ample room, or pruning would be due again at once.
-            room = np.maximum(self._room, self._tree.used // 4)
-            if memory_limit is not None and size_after(self._tree, room) > memory_limit:
-                return Status.MEMORY
-            self._tree = grow(self._tree, room)
+    def run(self, gap: float, relative_gap: float, backups: int) -> Status | None:
+        """Do at most about ``backups`` backups; why there is no point in going on, or None.
 
-    def tidy(self) -> None:
-        """Forget vectors and points that others replaced."""
-        prune_vectors(self._tree)
-        retire_points(self._tree)
+        Fewer where the arrays had to grow, so that the caller can look at the clock.
+        """
+        limit = self._memory_limit
+        if limit is not None and size_of(self._tree) > limit:
+            return Status.MEMORY
+        state = run_trials(
+            self._arrays,
+            self._tree,
+            self._bins,
+            self._roots,
+            gap,
+            relative_gap,
+            backups,
+            self._room,
+        )
+        if state != NO_ROOM:
+            return ENDS.get(state)
+        self.tidy(self._room)
+        # Ask for ample room, or pruning would be due again at once.
+        room = np.maximum(self._room, self._tree.used // 4)
+        if limit is not None and size_after(self._tree, room) > limit:
+            return Status.MEMORY
+        self._tree = grow(self._tree, room)
+        return None
+
+    def tidy(self, room: IntArray) -> None:
+        """Forget the vectors, or the points, that others replaced where ``room`` is lacking."""
+        short = lacking(self._tree, room)
+        if VECTORS in short or GROUPS in short:
+            prune_vectors(self._tree)
+        if POINTS in short:
+            retire_points(self._tree)
 
     def record(self, seconds: float) -> Record:
         lower, upper = self._root_bounds()
@@ -150,6 +169,7 @@ class Search:
             vectors=int(
                 (self._tree.vectors["replaced_by"][: self._tree.used[VECTORS]] == NONE).sum()
             ),
+            memory=size_of(self._tree),
         )
 
     def solution(self, status: Status, trace: tuple[Record, ...], seconds: float) -> Solution:
@@ -170,10 +190,24 @@ class Search:
             seconds=seconds,
         )
 
+    def _most_policies(self) -> int:
+        """How many policies may start the lower bound."""
+        most = NUMBERS // self._problem.states
+        if self._memory_limit is not None:
+            free = self._memory_limit - size_of_first(self._arrays)
+            # Each is held twice: as it is, and in a group.
+            most = min(most, 1 + free // (2 * 8 * self._problem.states))
+        return max(1, most)
+
     def _begin(self, p: Problem, start: AlphaVectorPolicy | None) -> tuple[Tree, Bins]:
+        least, limit = size_of_first(p), self._memory_limit
+        if limit is not None and least > limit:
+            raise MemoryError(
+                f"memory_limit: the first bounds take {least:,} bytes, which is more than {limit:,}"
+            )
         tolerance = SETTLED * float(np.abs(p.reward).max(initial=1e-6))
         q = mdp_values(p, tolerance, SWEEPS)
-        policies = observed_policies(q, max(1, NUMBERS // self._problem.states))
+        policies = observed_policies(q, self._most_policies())
         fast_informed_bound(p, q, tolerance, SWEEPS, WORK)
         tree = new_tree(p, q)
         states = p.reward.shape[0]

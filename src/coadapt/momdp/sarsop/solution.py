@@ -35,6 +35,7 @@ class Record:
         lower, upper: bounds of the value, weighted by the probability of the roots.
         gap: largest difference of the bounds at any root.
         vectors: number of alpha vectors.
+        memory: bytes of the arrays of the search.
     """
 
     seconds: float
@@ -43,6 +44,7 @@ class Record:
     upper: float
     gap: float
     vectors: int
+    memory: int
 
 
 @dataclass(frozen=True)

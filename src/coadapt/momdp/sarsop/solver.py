@@ -10,8 +10,6 @@ from collections.abc import Callable
 from dataclasses import dataclass
 from time import perf_counter
 
-import numpy as np
-
 from coadapt.momdp.model import MOMDP
 from coadapt.momdp.policy import AlphaVectorPolicy
 from coadapt.momdp.sarsop.progress import ProgressLine
@@ -31,7 +29,8 @@ class SARSOP:
         gap: stop once the bounds at every root are at most this far apart, in reward units.
         relative_gap: or at most this part of the smaller of them, in absolute value.
         max_backups: stop after about this many backups (the trial under way is finished).
-        memory_limit: stop before the arrays of the search take more than this many bytes.
+        memory_limit: stop before the arrays of the search take more than this many bytes. If the
+            first bounds alone take more, `solve` refuses.
         time_limit: stop after about this many seconds. The result then depends on the machine.
         progress: show a line with the bounds on standard error.
         callback: called with every `Record` of the trace.
@@ -70,6 +69,7 @@ class SARSOP:
 
         Raises:
             ValueError: if ``start`` does not fit the problem's states and actions.
+            MemoryError: if the first bounds take more than ``memory_limit``.
         """
         if start is not None:
             require_start(problem, start)
@@ -79,7 +79,7 @@ class SARSOP:
             compile_kernels()
             line.say("initial bounds")
             begun = perf_counter()
-            search = Search(problem, start)
+            search = Search(problem, start, self.memory_limit)
             trace: list[Record] = []
 
             def record() -> None:
@@ -117,8 +117,12 @@ class SARSOP:
             if last is not None:
                 ahead = min(ahead, last - done)
             before = perf_counter()
-            ended = search.run(self.gap, self.relative_gap, self.memory_limit, ahead)
+            ended = search.run(self.gap, self.relative_gap, ahead)
             if ended is not None:
                 return ended
-            spent = perf_counter() - before
-            call = int(np.clip(call * CALL_SECONDS / max(spent, 1e-6), call / 2, call * 2)) + 1
+            now = perf_counter()
+            target = CALL_SECONDS
+            if self.time_limit is not None:
+                target = min(target, max(0.0, self.time_limit - (now - begun)))
+            spent = max(now - before, 1e-6)
+            call = int(min(call * 2, (search.backups - done) * target / spent)) + 1

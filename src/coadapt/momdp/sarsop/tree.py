@@ -154,10 +154,24 @@ SMALL = 256
 BUCKETS = 1 << 18
 
 
+def lanes_for(p: Problem) -> int:
+    """How many alpha vectors a group holds."""
+    states, _, hidden = p.reward.shape
+    return LANES if states * hidden <= FEW_STATES else FEW_LANES
+
+
+def size_of_first(p: Problem) -> int:
+    """Bytes of the first bounds and of a tree that starts from them and one policy."""
+    states, actions, hidden = p.reward.shape
+    # Two arrays of values at work, the corners, the policy as it is and in groups.
+    numbers = states * hidden * (actions + 4 + lanes_for(p)) + BUCKETS
+    return 8 * numbers + states * (VECTOR.itemsize + GROUP.itemsize)
+
+
 def new_tree(p: Problem, informed: FloatArray) -> Tree:
     """An empty tree over ``informed`` ``[X, A, Y]``, the upper bound to start from."""
     states, _, hidden = p.reward.shape
-    lanes = LANES if states * hidden <= FEW_STATES else FEW_LANES
+    lanes = lanes_for(p)
     return Tree(
         used=np.zeros(COUNTS, dtype=np.int64),
         nodes=np.zeros(SMALL, NODE),
@@ -180,30 +194,41 @@ def new_tree(p: Problem, informed: FloatArray) -> Tree:
     )
 
 
+def lacking(tree: Tree, room: IntArray) -> tuple[int, ...]:
+    """Which counts of `GROWABLE` have less than ``room`` ``[COUNTS]`` more places."""
+    return tuple(
+        kind
+        for kind, names in GROWABLE.items()
+        if len(getattr(tree, names[0])) < tree.used[kind] + room[kind]
+    )
+
+
 def grow(tree: Tree, room: IntArray) -> Tree:
     """The tree with every array enlarged that lacks ``room`` ``[COUNTS]`` more places."""
     larger: dict[str, FloatArray | IntArray | Records] = {}
-    for kind, names in GROWABLE.items():
-        for name in names:
+    for kind in lacking(tree, room):
+        for name in GROWABLE[kind]:
             array = getattr(tree, name)
-            wanted = int(tree.used[kind] + room[kind])
-            if len(array) < wanted:
-                shape = (larger_size(array, wanted), *array.shape[1:])
-                new = np.zeros(shape, dtype=array.dtype)
-                new[: len(array)] = array
-                larger[name] = new
+            places = larger_size(array, int(tree.used[kind] + room[kind]))
+            new = np.zeros((places, *array.shape[1:]), dtype=array.dtype)
+            new[: tree.used[kind]] = array[: tree.used[kind]]
+            larger[name] = new
     return tree._replace(**larger)
+
+
+def size_of(tree: Tree) -> int:
+    """Bytes of the arrays of ``tree``."""
+    return sum(array.nbytes for array in tree)
 
 
 def size_after(tree: Tree, room: IntArray) -> int:
     """Bytes of the arrays of ``tree`` after `grow`."""
-    total = sum(array.nbytes for array in tree)
-    for kind, names in GROWABLE.items():
-        for name in names:
+    total = size_of(tree)
+    for kind in lacking(tree, room):
+        for name in GROWABLE[kind]:
             array = getattr(tree, name)
-            if len(array) < tree.used[kind] + room[kind]:
-                places = larger_size(array, int(tree.used[kind] + room[kind]))
-                total += (places - len(array)) * (array.nbytes // len(array))
+            places = larger_size(array, int(tree.used[kind] + room[kind]))
+            total += (places - len(array)) * (array.nbytes // len(array))
     return total
 
 
