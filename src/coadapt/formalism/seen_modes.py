@@ -113,7 +113,7 @@ class SeenModes:
         self, belief: FloatArray, window: IntArray, action: IntArray, human_action: IntArray
     ) -> FloatArray:
         """``[..., A, M]`` before the next human action. Alpha changes first, then the mode."""
-        alpha = belief.sum(axis=-1) @ self.alpha.transition
+        alpha = np.einsum("...i,ij->...j", belief.sum(axis=-1), self.alpha.transition)
         # Which outcome their actions had says nothing about the mode.
         reached = self.windows.next[window, action, human_action * self.branching]
         return alpha[..., None] * self.mode_chance[reached]

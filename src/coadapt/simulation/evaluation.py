@@ -206,7 +206,7 @@ def expand(
         seen = seen[where, observed]
         yield Visits(step, decisions, seen)
         perceived = model.perceived[decisions.window, decisions.action]
-        kept = seen @ model.kept_modes(decisions.window, decisions.action)
+        kept = np.einsum("npm,nmk->npk", seen, model.kept_modes(decisions.window, decisions.action))
         # The partners' modes move as a belief over them would, Eq. 3-4.
         moved = human_filter.predict(kept, alpha, perceived, None)
         chance = model.outcome_chances(decisions.state, decisions.action, decisions.human_input)
