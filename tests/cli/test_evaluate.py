@@ -85,7 +85,7 @@ def test_where_the_exact_value_is_not_feasible(monkeypatch: pytest.MonkeyPatch) 
     [
         ([], "PROBLEM"),
         (["tiger.pomdpx"], "POLICY"),
-        (["tigre", "tiger.policyx"], "expected a file or one of: hallway, "),
+        (["tigre", "tiger.policyx"], "expected a file or one of: grasp_selection, "),
         (["no.pomdpx", "tiger.policyx"], "no.pomdpx: cannot be read"),
         (["tiger.pomdpx", "no.policyx"], "no.policyx: cannot be read"),
         (["tiger.pomdpx", "tiger.pomdpx"], "expected .policy, .policyx or .coadapt"),

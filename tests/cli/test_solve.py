@@ -14,13 +14,14 @@ import pytest
 
 import coadapt as ca
 from coadapt.cli import main
-from coadapt.cli.problems import TASKS, load_problem
+from coadapt.cli.problems import load_problem
 from coadapt.cli.process import peak_memory_mb, seconds_since_launch
 from coadapt.cli.solve import ENDS, TRACE
 from coadapt.momdp import MOMDP, Root, check_momdp
 from coadapt.momdp.exact import exact_value
 from coadapt.momdp.files import read_policy, write_pomdpx
 from coadapt.momdp.sarsop import Status, compile_kernels, solver
+from coadapt.tasks import task_names
 from tests.momdp.problems import tiger
 
 OPTIMUM = exact_value(tiger(), 1e-4)
@@ -105,7 +106,7 @@ def test_every_status_has_words() -> None:
 
 # The published numbers of states of the collaborations include states that nobody comes to.
 @pytest.mark.filterwarnings("ignore:no root leads to:coadapt.MOMDPWarning")
-@pytest.mark.parametrize("name", TASKS)
+@pytest.mark.parametrize("name", task_names())
 def test_a_task(name: str) -> None:
     check_momdp(load_problem(name))
 
@@ -122,7 +123,7 @@ def test_the_paper_task(capsys: pytest.CaptureFixture[str]) -> None:
     ("arguments", "words"),
     [
         ([], "PROBLEM"),
-        (["tigre"], "tigre: found no such task, expected a file or one of: hallway, "),
+        (["tigre"], "tigre: found no such task, expected a file or one of: grasp_selection, "),
         (["no.pomdp"], "no.pomdp: cannot be read"),
         ([".", "--out", "p.policyx"], "expected .pomdp or .pomdpx"),
         (["./tiger", "--out", "p.policyx"], "expected .pomdp or .pomdpx"),

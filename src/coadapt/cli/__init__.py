@@ -18,7 +18,9 @@ COMMANDS = {
     "play": "Steer the robot with the arrow keys, in this terminal.",
     "replay": "Run a recorded log of human inputs through a robot.",
     "reproduce": "Write the report of the published results, or of a task.",
+    "simulate": "Run a robot with simulated people.",
     "solve": "Plan for a problem: a policy with certified bounds.",
+    "tasks": "List the tasks, or show one.",
 }
 """Every command with its one-line summary; ``coadapt.cli.NAME`` holds it as ``command``."""
 

@@ -84,9 +84,9 @@ def command(
 ) -> None:
     """Evaluate a policy by simulation and exactly.
 
-    PROBLEM is a .pomdp or .pomdpx file, or one of the tasks table_clearing, table_carrying and
-    hallway; POLICY is a .policyx, .policy or .coadapt file. The exact value is computed where the
-    problem is small enough.
+    PROBLEM is a .pomdp or .pomdpx file, the name of a task (see `coadapt tasks`) or a .toml file
+    with a task; POLICY is a .policyx, .policy or .coadapt file. The exact value is computed where
+    the problem is small enough.
 
     If PROBLEM, POLICY or an option cannot be used the exit code is 2.
     """

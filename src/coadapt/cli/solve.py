@@ -99,9 +99,9 @@ def command(
 ) -> int:
     """Plan for a problem: a policy with certified bounds.
 
-    PROBLEM is a .pomdp or .pomdpx file, or one of the tasks table_clearing, table_carrying and
-    hallway. The value of the policy is at least the lower bound, that of the best one at most the
-    upper. A file that exists is replaced.
+    PROBLEM is a .pomdp or .pomdpx file, the name of a task (see `coadapt tasks`) or a .toml file
+    with a task. The value of the policy is at least the lower bound, that of the best one at most
+    the upper. A file that exists is replaced.
 
     Ctrl-C ends the search; the policy found so far is written, and the exit code is 130. If
     PROBLEM, an option or a file cannot be used the exit code is 2 and nothing is written.

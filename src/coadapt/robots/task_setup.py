@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from typing import cast
 
 import msgspec
 
@@ -19,12 +20,7 @@ from coadapt.robots.setup import (
 from coadapt.tasks import Task, TaskError
 from coadapt.tasks.person import TaskAdaptability
 
-MODEL_FIELDS = (
-    "memory",
-    "disagreement_cost",
-    "discount",
-    "step_cost",
-)
+MODEL_FIELDS = ("memory", "disagreement_cost", "discount", "step_cost")
 """Values of a task's model that can be changed by their names."""
 
 LAYOUT_FIELDS = ("columns", "rows", "left_reward", "right_reward")
@@ -90,8 +86,8 @@ def changed(setup: AnySetup, changes: Mapping[str, object]) -> AnySetup:
             new = msgspec.structs.replace(task.model, **model)
             task = msgspec.structs.replace(task, model=new)
         if "adaptability" in changes:
-            values = {"values": changes["adaptability"]}
-            adaptability = msgspec.convert(values, TaskAdaptability)
+            values = cast("tuple[float, ...]", changes["adaptability"])
+            adaptability = TaskAdaptability(values=values)
             task = msgspec.structs.replace(task, adaptability=adaptability)
     except TaskError as error:
         raise SetupError(_field(error), error.problem) from error

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import msgspec
 
+from coadapt.errors import excerpt
 from coadapt.tasks.requirements import require, require_chance, require_name, require_reward
 
 FREE, OBSTACLE, START = ".", "#", "@"
@@ -34,7 +35,7 @@ class TaskGoal(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=
             one = len(self.symbol) == 1 and self.symbol.isprintable() and not self.symbol.isspace()
             taken = self.symbol in (FREE, OBSTACLE, START)
             wanted = f"one character other than {FREE} {OBSTACLE} {START}"
-            require(("symbol",), one and not taken, wanted, self.symbol)
+            require(("symbol",), one and not taken, wanted, excerpt(self.symbol))
         if self.prior is not None:
             require_chance(("prior",), self.prior, most_included=True)
 

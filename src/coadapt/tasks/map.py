@@ -53,7 +53,9 @@ class TaskMap(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
     def __post_init__(self) -> None:
         require_names(("moves",), self.moves, MOST_ACTIONS)
         for move in self.moves:
-            require(("moves",), move in DIRECTIONS, f"some of {', '.join(DIRECTIONS)}", move)
+            require(
+                ("moves",), move in DIRECTIONS, f"some of {', '.join(DIRECTIONS)}", excerpt(move)
+            )
         require_chance(("slip",), self.slip, most_included=False)
         require_chance(("move_cost",), self.move_cost, LARGEST_REWARD, most_included=True)
         size = len(self.drawing)

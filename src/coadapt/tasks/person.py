@@ -9,6 +9,7 @@ import msgspec
 import numpy as np
 
 from coadapt.arrays import FloatArray
+from coadapt.errors import excerpt
 from coadapt.formalism.shared_autonomy import PAPER_ADAPTABILITY
 from coadapt.human import Adaptability
 from coadapt.human.inputs import Inputs
@@ -116,7 +117,7 @@ class SwitchInputs(
         """
         key = ("inputs", "pressed_for")
         for name in self.pressed_for:
-            require(key, name in actions, f"some of {', '.join(actions)}", name)
+            require(key, name in actions, f"some of {', '.join(actions)}", excerpt(name))
         pressed = {actions.index(name) for name in self.pressed_for}
         require(key, 0 < len(pressed) < len(actions), "some actions and not all", len(pressed))
         return Inputs.switch(len(actions), pressed, self.error, self.silence)

@@ -46,14 +46,13 @@ def dotted(key: Key) -> str:
 def require(key: Key, holds: bool, wanted: str, found: object) -> None:
     """Raise TaskError unless ``holds``: "KEY must be WANTED, not FOUND"."""
     if not holds:
-        shown = excerpt(found) if isinstance(found, str) else found
-        raise TaskError(key, f"must be {wanted}, not {shown}")
+        raise TaskError(key, f"must be {wanted}, not {found}")
 
 
 def require_name(key: Key, name: str) -> None:
     """Raise TaskError unless ``name`` can be a label."""
     signs = "1 to 60 letters, digits, blanks or . ' ( ) + / - _, beginning with a letter or digit"
-    require(key, NAME.fullmatch(name) is not None, signs, name)
+    require(key, NAME.fullmatch(name) is not None, signs, excerpt(name))
 
 
 def require_names(key: Key, names: Sequence[str], most: int) -> None:

@@ -20,6 +20,7 @@ _HEADER = re.compile(r"\s*(\[\[?)\s*([\w.\"' -]+?)\s*\]\]?\s*(#.*)?$")
 _KEY = re.compile(r"\s*([\w\"'-][\w.\"' -]*?)\s*=")
 _PLACE = re.compile(r"(?P<problem>.*?)(?: - at `(?:key in )?\$(?P<place>.*)`)?", re.DOTALL)
 _PART = re.compile(r"\.(\w+)|\[(\d+)\]")
+_UNKNOWN = re.compile(r"unknown field `(.*)`")
 _AT = re.compile(r"(?P<problem>.*) \(at line (?P<line>\d+), column \d+\)")
 
 
@@ -82,7 +83,9 @@ def _explained(error: Exception) -> tuple[Key, str]:
         return inside.key, str(inside)
     problem = str(error) if found is None else found["problem"]
     where = f"{dotted(key)}: " if key else ""
-    return key, f"{where}{problem[:1].lower()}{problem[1:]}"
+    unknown = _UNKNOWN.search(problem)
+    at = key if unknown is None else (*key, unknown[1])
+    return at, f"{where}{problem[:1].lower()}{problem[1:]}"
 
 
 def _line(text: str, key: Key) -> int | None:

@@ -1,0 +1,128 @@
+"""``coadapt simulate``: a robot with simulated people."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+from typing import TYPE_CHECKING
+
+import click
+
+from coadapt.cli.options import changed_setup, numbers, setup_options
+from coadapt.cli.outputs import require_writable
+from coadapt.cli.problems import task_setup
+from coadapt.cli.progress import progress_line
+from coadapt.errors import InputError, printable
+
+if TYPE_CHECKING:
+    from coadapt.formalism import SharedAutonomy
+
+
+@click.command(name="simulate")
+@click.argument("task", required=False)
+@click.option(
+    "--episodes", type=click.IntRange(1, 1_000_000), default=1000, show_default=True, metavar="N"
+)
+@click.option(
+    "--partner",
+    type=numbers,
+    default="0.5",
+    metavar="ALPHA",
+    help="Adaptability of the simulated person, one number or one for each goal.  [0.5]",
+)
+@click.option(
+    "--mode", metavar="GOAL", help="The goal they want at first.  [drawn from the task's prior]"
+)
+@click.option("--seed", type=click.IntRange(0), default=0, show_default=True, metavar="N")
+@click.option(
+    "--max-steps",
+    type=click.IntRange(1, 100_000),
+    default=1000,
+    show_default=True,
+    metavar="N",
+    help="An episode without a goal ends after as many.",
+)
+@click.option("--json", "as_json", is_flag=True, help="Print one JSON object instead of a table.")
+@click.option(
+    "--log",
+    "path",
+    type=click.Path(path_type=Path),
+    metavar="FILE",
+    help="Save the inputs and decisions, for `coadapt replay`.",
+)
+@setup_options
+def command(
+    *,
+    task: str | None,
+    episodes: int,
+    partner: tuple[float, ...],
+    mode: str | None,
+    seed: int,
+    max_steps: int,
+    as_json: bool,
+    path: Path | None,
+    **given: object,
+) -> None:
+    """Run a robot with simulated people.
+
+    TASK is the name of a task, see `coadapt tasks`, or a .toml file; table clearing if left out.
+    Each episode is one trial with a person who follows the adaptation model. The same seed gives
+    the same episodes.
+    """
+    import numpy as np
+
+    from coadapt.cli.simulate_output import outcome_of
+    from coadapt.robots.setup import RobotSetup
+    from coadapt.simulation import SimulatedPartner, simulate
+
+    setup = changed_setup(RobotSetup() if task is None else task_setup(task), given)
+    model = setup.model()
+    first = _mode(model, mode)
+    if len(partner) not in (1, len(model.mode_names)):
+        goals = len(model.mode_names)
+        raise InputError(f"--partner must be one number or {goals}, not {len(partner)}")
+    if not all(0 <= alpha <= 1 for alpha in partner):
+        raise InputError(f"--partner must lie from 0 to 1, not {','.join(map(str, partner))}")
+    person = SimulatedPartner(partner[0] if len(partner) == 1 else partner, first)
+    if path is not None:
+        require_writable(path)
+    with progress_line(not as_json) as tell:
+        robot = setup.build(tell)
+        tell(f"Simulating {episodes:,} episodes")
+        rng = np.random.default_rng(seed)
+        found = simulate(robot, person, episodes, rng, max_steps=max_steps)
+        if path is not None:
+            from coadapt.simulation.log_writer import whole_log
+
+            with whole_log(path, robot, setup) as log:
+                for number, episode in enumerate(found, start=1):
+                    for step, decision in enumerate(episode.decisions):
+                        log.write(float(step), number, decision)
+    outcome = outcome_of(robot, found)
+    if as_json:
+        record = {
+            "task": model.world.name,
+            "robot": robot.name,
+            "partner": partner[0] if len(partner) == 1 else list(partner),
+            "mode": mode,
+            "seed": seed,
+            **outcome.record(),
+            "log": None if path is None else str(path),
+        }
+        click.echo(json.dumps(record))
+        return
+    wanted = "a first goal drawn from the prior" if mode is None else f"{mode} as first goal"
+    alpha = "/".join(f"{value:g}" for value in partner)
+    heading = f"{model.world.name}, {robot.name}, a person with alpha {alpha} and {wanted}"
+    click.echo(printable(heading))
+    click.echo("\n".join(printable(line) for line in outcome.lines()))
+    if path is not None:
+        click.echo(f"Log saved to {printable(str(path))}")
+
+
+def _mode(model: SharedAutonomy, name: str | None) -> int | None:
+    if name is None:
+        return None
+    if name not in model.mode_names:
+        raise InputError(f"--mode must be one of {', '.join(model.mode_names)}, not {name!r}")
+    return model.mode_names.index(name)

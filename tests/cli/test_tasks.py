@@ -1,0 +1,156 @@
+"""``coadapt tasks`` and ``coadapt simulate``, and tasks in the other commands."""
+
+from __future__ import annotations
+
+import json
+from pathlib import Path
+
+import pytest
+
+from coadapt.cli import main
+from coadapt.robots.task_setup import TaskSetup
+from coadapt.simulation.log_reader import open_log
+from coadapt.tasks import load_task, task_names, task_problem
+
+TASK = """
+format = 1
+name = "corridor"
+
+[map]
+drawing = "W..@.E"
+moves = ["left", "right"]
+
+[[goals]]
+name = "West"
+reward = 1
+
+[[goals]]
+name = "East"
+reward = 2
+"""
+
+
+@pytest.fixture(autouse=True)
+def directory(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> Path:
+    monkeypatch.chdir(tmp_path)
+    Path("corridor.toml").write_text(TASK)
+    return tmp_path
+
+
+def output(capsys: pytest.CaptureFixture[str], *arguments: str) -> str:
+    assert main(arguments) == 0
+    out, err = capsys.readouterr()
+    assert err == ""
+    return out
+
+
+def test_the_list(capsys: pytest.CaptureFixture[str]) -> None:
+    listed = json.loads(output(capsys, "tasks", "--json"))
+    assert [entry["name"] for entry in listed] == list(task_names())
+    counts = {
+        e["name"]: (e["observable"], e["hidden"], e["actions"], e["observations"]) for e in listed
+    }
+    assert counts["table_clearing"] == (52, 10, 3, 3)  # Sec. 6.5
+    assert counts["table_carrying"][:2] == (734, 5)
+    assert counts["hallway"][:2] == (340, 5)
+    lines = output(capsys, "tasks").splitlines()
+    assert lines[0].split() == ["name", "observable", "hidden", "actions", "observations", "title"]
+    assert [line.split()[0] for line in lines[1:]] == list(task_names())
+
+
+@pytest.mark.parametrize("name", task_names())
+def test_one_task(capsys: pytest.CaptureFixture[str], name: str) -> None:
+    text = output(capsys, "tasks", name)
+    assert text.startswith(f"{name}: {load_task(name).title}\n")
+    x, y, a, o = task_problem(load_task(name)).shape
+    last = f"{x:,} observable x {y:,} hidden states, {a:,} actions, {o:,} observations"
+    assert text.splitlines()[-1] == last
+    assert json.loads(output(capsys, "tasks", name, "--json"))["observable"] == x
+
+
+def test_a_task_of_ones_own(capsys: pytest.CaptureFixture[str]) -> None:
+    text = output(capsys, "tasks", "corridor.toml")
+    assert "  W..@.E\n" in text
+    assert "  W  West  reward 1\n" in text
+    assert json.loads(output(capsys, "tasks", "corridor.toml", "--json"))["task"]["goals"]
+
+
+def test_a_task_is_solved_evaluated_simulated_and_replayed(
+    capsys: pytest.CaptureFixture[str],
+) -> None:
+    main(["solve", "corridor.toml", "--out", "p.policyx"])
+    main(["evaluate", "corridor.toml", "p.policyx", "--episodes", "10"])
+    capsys.readouterr()
+    arguments = ["simulate", "corridor.toml", "--partner", "0", "--mode", "West"]
+    arguments += ["--episodes", "20", "--match-threshold", "0.8", "--log", "log.csv"]
+    text = output(capsys, *arguments)
+    assert text.startswith("corridor, mutual_adaptation, a person with alpha 0 and West as first")
+    assert text.endswith("Log saved to log.csv\n")
+    record = json.loads(output(capsys, *arguments, "--json"))
+    assert record["episodes"] == 20
+    assert sum(record["goals"].values()) + record["no_goal"] == pytest.approx(1.0)
+    assert f"{record['reward']['mean']:8.3f}" in text
+    assert json.loads(output(capsys, *arguments, "--json")) == record
+    # The log has the task itself: the file may go.
+    Path("corridor.toml").unlink()
+    assert "Identical to the recorded decisions" in output(capsys, "replay", "log.csv")
+    with open_log("log.csv") as log:
+        assert isinstance(log.setup, TaskSetup)
+        assert log.setup.match_threshold == 0.8
+        assert log.setup.task.name == "corridor"
+    assert Path("log.csv").read_text().startswith("# coadapt log, format 2\n")
+    changed = output(capsys, "replay", "log.csv", "--disagreement-cost=-1", "--memory", "2")
+    assert "changed: task.model" in changed
+
+
+def test_a_log_of_format_1_is_read(capsys: pytest.CaptureFixture[str]) -> None:
+    # As coadapt wrote it before there were tasks, shortened to what replay needs.
+    head = '# coadapt log, format 1\n# written by coadapt 0.1.0\n# setup {"columns":7,"rows":3}\n'
+    Path("old.csv").write_text(f"{head}time,input\n0,left\n1,left\n")
+    assert "column 3 row 0" in output(capsys, "replay", "old.csv")
+    Path("mine.csv").write_text("time,input\n0,left\n1,\n")
+    text = output(capsys, "replay", "mine.csv", "--task", "corridor.toml", "--out", "o.csv")
+    assert "P(West)" in text
+
+
+def test_simulate_table_clearing(capsys: pytest.CaptureFixture[str]) -> None:
+    small = ["--columns", "7", "--rows", "3", "--robot", "no_adaptation", "--episodes", "1"]
+    record = json.loads(output(capsys, "simulate", *small, "--json", "--partner", "0,1"))
+    # Three to the right and two forward.
+    assert record["steps"] == {"mean": 5.0, "standard_error": None}
+    assert record["goals"] == {"left": 0.0, "right": 1.0}
+    assert record["partner"] == [0.0, 1.0]
+
+
+@pytest.mark.parametrize(
+    ("arguments", "words"),
+    [
+        (["tasks", "corridors"], "found no such task, expected a file or one of: grasp"),
+        (["tasks", "no.toml"], "no.toml: found no readable file"),
+        (["solve", "bad.toml"], "bad.toml:6: map.drawing has no @"),
+        (["simulate", "bad.toml"], "bad.toml:6: map.drawing has no @"),
+        (["play", "bad.toml"], "bad.toml:6: map.drawing has no @"),
+        (["simulate", "hallway"], "hallway: found a task in which the person moves the world too"),
+        (["simulate", "--mode", "up"], "--mode must be one of left, right, not 'up'"),
+        (["simulate", "--partner", "2"], "--partner must lie from 0 to 1, not 2.0"),
+        (["simulate", "--partner", "0,1,1"], "--partner must be one number or 2, not 3"),
+        (["simulate", "--episodes", "0"], "--episodes"),
+        (["simulate", "--log", "."], "found something else than a file"),
+        (["simulate", "corridor.toml", "--columns", "5"], "--columns is for table clearing alone"),
+        (["simulate", "corridor.toml", "--memory", "0"], "--memory must be from 1 to 100, not 0"),
+        (["simulate", "corridor.toml", "--memory", "60"], "--memory must be so short that"),
+        (["simulate", "corridor.toml", "--step-cost", "0.1"], "--step-cost cannot be used"),
+        (["simulate", "corridor.toml", "--adaptability", "1,0"], "--adaptability must be incr"),
+        (["simulate", "corridor.toml", "--gap", "0"], "--gap must be a number above 0"),
+    ],
+)
+def test_an_error_is_one_line(
+    capsys: pytest.CaptureFixture[str], arguments: list[str], words: str
+) -> None:
+    Path("bad.toml").write_text(TASK.replace("@", "."))
+    assert main(arguments) == 2
+    out, err = capsys.readouterr()
+    assert out == ""
+    assert err.startswith("coadapt: error: ")
+    assert err.count("\n") == 1
+    assert words in err
