@@ -56,6 +56,10 @@ WORK = 20_000_000
 VALUES = 400_000
 """Most values that are computed for each policy that starts the lower bound."""
 
+FEWER_VALUES = 40_000
+"""The same for policies that take one action everywhere though they see where they are: others have
+the better values then, and these are slow to settle."""
+
 NUMBERS = 16_000_000
 """Most numbers in the alpha vectors that the search starts from, if one policy has no more."""
 
@@ -215,17 +219,19 @@ class Search:
         room[VECTORS] = states * len(policies)
         room[GROUPS] = states * -(-len(policies) // tree.lane_alpha.shape[2])
         tree = grow(tree, room)
-        sweeps = min(SWEEPS, max(5, VALUES // self._problem.states))
         for policy, order in policies:
+            blind = states > 1 and bool((policy == policy[0]).all())
+            values = FEWER_VALUES if blind else VALUES
+            sweeps = min(SWEEPS, max(5, values // self._problem.states))
             add_vectors(tree, policy_values(p, policy, order, tolerance, sweeps), policy)
         if start is not None:
             states_met = controller(self._problem, start)
             # More exactly than the policies above: this is where the search goes on.
             exactly = 1e-2 * (1.0 - p.discount) * tolerance
-            values = controller_values(p, states_met, exactly, SWEEPS)
-            room[VECTORS] = room[GROUPS] = len(values)
+            vectors = controller_values(p, states_met, exactly, SWEEPS)
+            room[VECTORS] = room[GROUPS] = len(vectors)
             tree = grow(tree, room)
-            for x, action, alpha in zip(states_met.x, states_met.action, values, strict=True):
+            for x, action, alpha in zip(states_met.x, states_met.action, vectors, strict=True):
                 add_vector(tree, int(x), alpha, int(action))
         prune_vectors(tree)
         tree.used[KEPT] = tree.used[LISTED]
