@@ -55,6 +55,10 @@ def mdp_values(p: Problem, tolerance: float, sweeps: int) -> FloatArray:
     moved = np.zeros(states, dtype=np.int64)  # the sweep in which a value of x last moved
     new = np.empty(hidden)
     best = np.empty(hidden)
+    needless = np.empty((states, actions), dtype=np.bool_)
+    for x in range(states):
+        for a in range(actions):
+            needless[x, a] = is_needless(p, x, a)
     for sweep in range(1, sweeps + 1):
         change = 0.0
         for i in range(states):
@@ -64,6 +68,8 @@ def mdp_values(p: Problem, tolerance: float, sweeps: int) -> FloatArray:
                 continue
             best.fill(-np.inf)
             for a in range(actions):
+                if needless[x, a]:
+                    continue
                 back_up(p, x, a, value, new)
                 leave(p, x, a, value, new)
                 for y in range(hidden):
@@ -93,6 +99,33 @@ def mdp_values(p: Problem, tolerance: float, sweeps: int) -> FloatArray:
         for a in range(actions):
             back_up(p, x, a, value, q[x, a])
     return q
+
+
+@inner
+def is_needless(p: Problem, x: int, a: int) -> bool:
+    """Whether an action before ``a`` leads where it leads in ``x`` and earns no less.
+
+    With the hidden state known, actions that only look at it are such.
+    """
+    actions, hidden = p.reward.shape[1], p.reward.shape[2]
+    first, last = p.edge_start[x * actions + a], p.edge_start[x * actions + a + 1]
+    for other in range(a):
+        start = p.edge_start[x * actions + other]
+        alike = p.edge_start[x * actions + other + 1] - start == last - first
+        for e in range(last - first):
+            if not alike:
+                break
+            alike = (
+                p.edge_next[first + e] == p.edge_next[start + e]
+                and p.edge_map[first + e] == p.edge_map[start + e]
+            )
+        for y in range(hidden):
+            if not alike:
+                break
+            alike = p.reward[x, other, y] >= p.reward[x, a, y]
+        if alike:
+            return True
+    return False
 
 
 @inner
