@@ -68,6 +68,13 @@ def test_one_task(capsys: pytest.CaptureFixture[str], name: str) -> None:
     assert json.loads(output(capsys, "tasks", name, "--json"))["observable"] == x
 
 
+def test_a_collaboration(capsys: pytest.CaptureFixture[str]) -> None:
+    text = output(capsys, "tasks", "hallway")
+    assert "  right: human east robot west, reward 11\n" in text
+    assert "  memory                    3\n" in text
+    assert "human west robot west or human east robot east" in text
+
+
 def test_a_task_of_ones_own(capsys: pytest.CaptureFixture[str]) -> None:
     text = output(capsys, "tasks", "corridor.toml")
     assert "  W..@.E\n" in text
@@ -122,6 +129,22 @@ def test_simulate_table_clearing(capsys: pytest.CaptureFixture[str]) -> None:
     assert record["partner"] == [0.0, 1.0]
 
 
+def test_simulate_a_collaboration(capsys: pytest.CaptureFixture[str]) -> None:
+    # People of alpha 1 come round at the second step, those of alpha 0 never do.
+    steps = {"0": (5.0, "left"), "1": (2.0, "right")}
+    for alpha, (count, goal) in steps.items():
+        arguments = ["simulate", "hallway", "--partner", alpha, "--mode", "left"]
+        text = output(capsys, *arguments, "--episodes", "5")
+        assert text.startswith(f"hallway, collaborator, a person with alpha {alpha} and left as fi")
+        record = json.loads(output(capsys, *arguments, "--episodes", "5", "--json"))
+        assert record["goals"][goal] == 1.0
+        assert record["steps"]["mean"] == count
+    # Somebody who cares little for the future gives in sooner.
+    arguments = ["simulate", "hallway", "--partner", "0", "--mode", "left", "--discount", "0.9"]
+    record = json.loads(output(capsys, *arguments, "--episodes", "1", "--json"))
+    assert record["steps"]["mean"] == 3.0
+
+
 @pytest.mark.parametrize(
     ("arguments", "words"),
     [
@@ -130,7 +153,19 @@ def test_simulate_table_clearing(capsys: pytest.CaptureFixture[str]) -> None:
         (["solve", "bad.toml"], "bad.toml:6: map.drawing has no @"),
         (["simulate", "bad.toml"], "bad.toml:6: map.drawing has no @"),
         (["play", "bad.toml"], "bad.toml:6: map.drawing has no @"),
-        (["simulate", "hallway"], "hallway: found a task in which the person moves the world too"),
+        (["play", "hallway"], "hallway: found a task in which the person moves the world too"),
+        (
+            ["simulate", "hallway", "--log", "l.csv"],
+            "--log is not for hallway, in which the",
+        ),
+        (
+            ["simulate", "hallway", "--robot", "no_adaptation"],
+            "--robot is not for hallway, in",
+        ),
+        (["simulate", "hallway", "--memory", "0"], "--memory cannot be used: memory must be 1 to"),
+        (["simulate", "hallway", "--adaptability", "2"], "--adaptability cannot be used: adapt"),
+        (["simulate", "hallway", "--gap", "0"], "--gap must be a number above 0, not 0.0"),
+        (["simulate", "hallway", "--mode", "up"], "--mode must be one of left, right, not 'up'"),
         (["simulate", "--mode", "up"], "--mode must be one of left, right, not 'up'"),
         (["simulate", "--partner", "2"], "--partner must lie from 0 to 1, not 2.0"),
         (["simulate", "--partner", "0,1,1"], "--partner must be one number or 2, not 3"),

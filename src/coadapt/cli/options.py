@@ -10,7 +10,9 @@ import click
 from coadapt.errors import InputError
 
 if TYPE_CHECKING:
+    from coadapt.robots.built_setup import BuiltSetup
     from coadapt.robots.task_setup import AnySetup
+    from coadapt.tasks import BuiltTask
 
 Function = TypeVar("Function", bound=Callable[..., Any])
 
@@ -76,6 +78,21 @@ def changed_setup(base: AnySetup, given: Mapping[str, object]) -> AnySetup:
             raise InputError(f"{_flag(name)} {error.problem}") from error
         raise InputError(f"the options do not fit the task: {error}") from error
     return setup
+
+
+def changed_built(task: BuiltTask, given: Mapping[str, object]) -> BuiltSetup:
+    """The setup of a built task with the options that were given, found usable.
+
+    Raises:
+        InputError: if a value cannot be used; names the option.
+    """
+    from coadapt.robots.built_setup import built_setup
+    from coadapt.robots.setup import SetupError
+
+    try:
+        return built_setup(task, {n: value for n, value in given.items() if value is not None})
+    except SetupError as error:
+        raise InputError(f"{_flag(error.field)} {error.problem}") from error
 
 
 def _flag(name: str) -> str:

@@ -3,19 +3,21 @@
 from __future__ import annotations
 
 import json
+from collections.abc import Mapping
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 import click
 
-from coadapt.cli.options import changed_setup, numbers, setup_options
+from coadapt.cli.options import changed_built, changed_setup, numbers, setup_options
 from coadapt.cli.outputs import require_writable
-from coadapt.cli.problems import task_setup
 from coadapt.cli.progress import progress_line
 from coadapt.errors import InputError, printable
 
 if TYPE_CHECKING:
-    from coadapt.formalism import SharedAutonomy
+    from coadapt.formalism import Model
+    from coadapt.robots.built_setup import BuiltSetup
+    from coadapt.robots.task_setup import AnySetup
 
 
 @click.command(name="simulate")
@@ -72,10 +74,11 @@ def command(
     import numpy as np
 
     from coadapt.cli.simulate_output import outcome_of
-    from coadapt.robots.setup import RobotSetup
+    from coadapt.robots import Collaborator
+    from coadapt.robots.built_setup import BuiltSetup
     from coadapt.simulation import SimulatedPartner, simulate
 
-    setup = changed_setup(RobotSetup() if task is None else task_setup(task), given)
+    setup = _setup(task, given)
     model = setup.model()
     first = _mode(model, mode)
     if len(partner) not in (1, len(model.mode_names)):
@@ -85,13 +88,15 @@ def command(
         raise InputError(f"--partner must lie from 0 to 1, not {','.join(map(str, partner))}")
     person = SimulatedPartner(partner[0] if len(partner) == 1 else partner, first)
     if path is not None:
+        if isinstance(setup, BuiltSetup):
+            raise InputError(f"--log is not for {task}, in which the person moves the world")
         require_writable(path)
     with progress_line(not as_json) as tell:
         robot = setup.build(tell)
         tell(f"Simulating {episodes:,} episodes")
         rng = np.random.default_rng(seed)
         found = simulate(robot, person, episodes, rng, max_steps=max_steps)
-        if path is not None:
+        if not (path is None or isinstance(setup, BuiltSetup) or isinstance(robot, Collaborator)):
             from coadapt.simulation.log_writer import whole_log
 
             with whole_log(path, robot, setup) as log:
@@ -120,7 +125,21 @@ def command(
         click.echo(f"Log saved to {printable(str(path))}")
 
 
-def _mode(model: SharedAutonomy, name: str | None) -> int | None:
+def _setup(task: str | None, given: Mapping[str, object]) -> AnySetup | BuiltSetup:
+    """What the robot is built from, for the task or the file that ``task`` names."""
+    from coadapt.robots.setup import RobotSetup
+    from coadapt.robots.task_setup import TaskSetup
+    from coadapt.tasks import BuiltTask, load_task
+
+    if task is None:
+        return changed_setup(RobotSetup(), given)
+    found = load_task(task)
+    if isinstance(found, BuiltTask):
+        return changed_built(found, given)
+    return changed_setup(TaskSetup(task=found), given)
+
+
+def _mode(model: Model, name: str | None) -> int | None:
     if name is None:
         return None
     if name not in model.mode_names:

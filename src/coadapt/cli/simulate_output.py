@@ -7,7 +7,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from statistics import fmean, stdev
 
-from coadapt.robots import Robot
+from coadapt.robots import Collaborator, Robot
 from coadapt.simulation import Episode
 
 MEANINGS = {
@@ -66,7 +66,7 @@ class Outcome:
         return lines
 
 
-def outcome_of(robot: Robot, episodes: Sequence[Episode]) -> Outcome:
+def outcome_of(robot: Robot | Collaborator, episodes: Sequence[Episode]) -> Outcome:
     """The outcome of at least one episode of ``robot``."""
     names, count = robot.model.mode_names, len(episodes)
     ends = [sum(e.goal == g for e in episodes) for g in range(len(names))]

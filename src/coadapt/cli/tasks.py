@@ -70,10 +70,10 @@ def _json_of(task: Task | BuiltTask, problem: MOMDP) -> str:
 def _shown(task: Task | BuiltTask, problem: MOMDP) -> str:
     """A task for people: what it is, its place, goals and parameters."""
     from coadapt.tasks import Task
-    from coadapt.tasks.show import description
+    from coadapt.tasks.show import built_description, description
 
     x, y, a, o = problem.shape
     lines = [task.name if not task.title else f"{task.name}: {task.title}"]
-    lines += description(task) if isinstance(task, Task) else []
+    lines += description(task) if isinstance(task, Task) else built_description(task)
     lines += ["", f"{x:,} observable x {y:,} hidden states, {a:,} actions, {o:,} observations"]
     return "\n".join(printable(line) for line in lines)

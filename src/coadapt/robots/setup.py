@@ -17,6 +17,8 @@ from coadapt.errors import InputError
 from coadapt.formalism import SharedAutonomy
 from coadapt.formalism.shared_autonomy import PAPER_ADAPTABILITY
 from coadapt.human.history import LONGEST_MEMORY, count_windows
+from coadapt.momdp.model import MOMDP
+from coadapt.momdp.policy import AlphaVectorPolicy
 from coadapt.robots.fixed import NoAdaptation
 from coadapt.robots.match import MatchRule
 from coadapt.robots.mutual import MutualAdaptation
@@ -210,6 +212,21 @@ def planned_robot(setup: Planned, progress: Progress | None = None) -> Robot:
         return NoAdaptation(model)
     one_way = setup.robot == "one_way_adaptation"
     problem = (model.one_way() if one_way else model).to_momdp()
+    policy = planned_policy(problem, setup.gap, tell)
+    rule = MatchRule(setup.match_threshold)
+    robot = OneWayAdaptation if one_way else MutualAdaptation
+    return robot(model, policy, rule)
+
+
+def planned_policy(
+    problem: MOMDP, gap: float, progress: Progress | None = None
+) -> AlphaVectorPolicy:
+    """A policy planned until its bounds are as close as ``gap``, a function of the problem alone.
+
+    Raises:
+        KeyboardInterrupt: if planning was interrupted.
+    """
+    tell = _say_nothing if progress is None else progress
     tell("Preparing the planner")
     # Imported now: whoever only reads or checks a setup need not wait for the compiler.
     from coadapt.momdp.sarsop import SARSOP, Record, Status  # noqa: PLC0415
@@ -220,13 +237,11 @@ def planned_robot(setup: Planned, progress: Progress | None = None) -> Robot:
             f"after {record.backups:,} backups"
         )
 
-    solution = SARSOP(gap=setup.gap, callback=tell_bounds).solve(problem)
+    solution = SARSOP(gap=gap, callback=tell_bounds).solve(problem)
     if solution.status is not Status.GAP:
-        # The policy so far is no function of the setup.
+        # The policy so far is no function of the problem.
         raise KeyboardInterrupt
-    rule = MatchRule(setup.match_threshold)
-    robot = OneWayAdaptation if one_way else MutualAdaptation
-    return robot(model, solution.policy, rule)
+    return solution.policy
 
 
 def require_planned(setup: Planned) -> None:

@@ -7,6 +7,7 @@ from textwrap import fill
 import msgspec
 
 from coadapt.formalism import SharedAutonomy
+from coadapt.tasks.registry import BuiltTask
 from coadapt.tasks.task import Task
 from coadapt.worlds import World
 
@@ -26,6 +27,29 @@ def description(task: Task) -> list[str]:
     lines += ["", "Goals", *_goals(task)]
     lines += ["", "Parameters", *(f"  {n:<26}{value}" for n, value in _parameters(task, model))]
     return lines
+
+
+def built_description(task: BuiltTask) -> list[str]:
+    """The same of a task in which the person moves the world too."""
+    model = task.build()
+    world, alpha = model.world, model.alpha
+    names = ", ".join(name.removeprefix("alpha=") for name in alpha.names)
+    starts = " or ".join(world.state_names[start] for start in world.starts)
+    shown = [
+        ("start", starts),
+        ("robot's actions", ", ".join(world.action_names)),
+        ("person's actions", ", ".join(world.human_action_names)),
+        ("memory", f"{model.memory}"),
+        ("adaptability", names),
+        ("discount", f"{model.discount:g}"),
+    ]
+    goals = [
+        f"  {goal.name}: {world.together.goal_place(g)}, reward {goal.reward:g}"
+        for g, goal in enumerate(world.goals)
+    ]
+    about = fill(" ".join(task.about.split()), WIDTH).splitlines()
+    parameters = [f"  {name:<26}{value}" for name, value in shown]
+    return ["", *about, "", "Goals", *goals, "", "Parameters", *parameters]
 
 
 def _place(task: Task, world: World) -> list[str]:
