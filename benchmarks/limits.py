@@ -27,7 +27,7 @@ import numpy as np
 import coadapt as ca
 from coadapt.momdp.sarsop.bounds import refresh_lower, refresh_upper
 from coadapt.momdp.sarsop.search import Search, compile_kernels
-from coadapt.momdp.sarsop.tree import ENTRIES, GROUPS, NODES, NONE, POINTS
+from coadapt.momdp.sarsop.tree import ENTRIES, GROUPS, NODES, NONE
 
 REPEATS = 5
 
@@ -132,8 +132,13 @@ def main() -> int:
     vectors = np.array([sum(int(tree.groups[g]["filled"]) for g in found) for found in groups])
     taken = best_time(all_lower, tree, nodes)
     done = float((entries * vectors[x]).sum())
-    held = int(tree.used[GROUPS]) * hidden * lanes * 8
-    print(f"{nodes:,} nodes, {vectors.sum():,} alpha vectors in {held / 2**20:.1f} MB")
+    # One look-up reads the vectors of one observed state.
+    held = -(-int(vectors.max()) // lanes) * lanes * hidden * 8
+    print(
+        f"{nodes:,} nodes, {vectors.sum():,} alpha vectors in "
+        f"{int(tree.used[GROUPS]) * hidden * lanes * 8 / 2**20:.1f} MB, at most "
+        f"{held / 2**20:.2f} MB for one observed state"
+    )
     print(
         f"look-ups: {done / taken / 1e9:.2f} billion products a second "
         f"({done / taken / products:.0%} of arithmetic), {8 * done / taken / 1e9:.1f} GB/s "
@@ -144,11 +149,11 @@ def main() -> int:
     taken = best_time(all_upper, tree, nodes, scratch)
     done = float(points[x].sum())
     record = tree.points.dtype.itemsize
-    held = int(tree.used[POINTS]) * record
+    held = int(points.max()) * record
     print(
         f"upper bounds: {done / taken / 1e6:.0f} million points a second, "
         f"{record * done / taken / 1e9:.1f} GB/s of records "
-        f"({record * done / taken / limit_for(rates, held):.0%} of reading {held / 2**20:.1f} MB)"
+        f"({record * done / taken / limit_for(rates, held):.0%} of reading {held / 2**20:.2f} MB)"
     )
     print(f"beliefs: {int(tree.used[ENTRIES]):,} probabilities")
     return 0
