@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from threading import Event, Thread
 from time import monotonic
 from typing import ClassVar
@@ -19,13 +19,20 @@ from textual.widgets import Footer, LoadingIndicator, Static
 from coadapt.errors import InputError
 from coadapt.play.bars import Bars, BarsView
 from coadapt.play.help import HelpScreen
+from coadapt.play.keys import MOST_NUMBERED, keys, numbered
 from coadapt.play.session import Session
-from coadapt.play.table import Scene, TableView, arrow
+from coadapt.play.table import Scene, TableView, arrow, goal_labels, is_table
 from coadapt.robots import Decision, NoAdaptation, Robot
 from coadapt.robots.explain import explain, match_threshold
 from coadapt.robots.setup import Progress
 
 INTERRUPTED = 130
+
+LONGEST_LABEL = 16
+"""Characters."""
+
+NO_SUCH_INPUT = "?"
+"""No input has this name."""
 
 WIDE = 76
 """Columns from which the panels stand side by side."""
@@ -83,6 +90,8 @@ class PlayApp(App[int]):
         Binding("left", "steer('left')", "left", key_display="←"),
         Binding("up", "steer('forward')", "forward", key_display="↑"),
         Binding("right", "steer('right')", "right", key_display="→"),
+        Binding("down", "steer('back')", show=False),
+        *(Binding(f"{n}", f"choose({n})", show=False) for n in range(1, MOST_NUMBERED + 1)),
         Binding("space", "steer('')", "no input"),
         Binding("n", "new_trial", "new"),
         Binding("question_mark", "help", "help", key_display="?"),
@@ -180,6 +189,12 @@ class PlayApp(App[int]):
             return
         self._show()
 
+    def action_choose(self, number: int) -> None:
+        """One time step with the input that has this number key."""
+        if self.session is not None:
+            name = numbered(self.session.robot.model.interface, number)
+            self.action_steer(name or NO_SUCH_INPUT)
+
     def action_new_trial(self) -> None:
         """Begin a new trial."""
         if self.session is not None:
@@ -263,7 +278,7 @@ def moves(session: Session) -> str:
     """The last input and the last action, each with its arrow."""
     decision = session.last
     if decision is None:
-        return "You       press ← ↑ →\nRobot     waits for you"
+        return f"You       press {keys(session.robot.model.interface)}\nRobot     waits for you"
     model = session.robot.model
     world, interface = model.world, model.interface
     given = "–  nothing"
@@ -289,9 +304,10 @@ def belief_bars(session: Session, with_agreement: bool) -> list[Bars]:
     is_deaf = isinstance(robot, NoAdaptation)
     learns = "this robot learns nothing" if is_deaf else ""
     names = [name.removeprefix("alpha=") for name in model.alpha.names]
+    wanted = belief.sum(axis=0).tolist()
     groups = [
-        Bars("Where you want to go", model.mode_names, belief.sum(axis=0).tolist(), learns),
-        Bars("Your adaptability (alpha)", names, chances.tolist(), f"mean {mean:.2f}"),
+        Bars("Where you want to go", _short(goal_labels(model.world)), wanted, learns),
+        Bars("Your adaptability (alpha)", _short(names), chances.tolist(), f"mean {mean:.2f}"),
     ]
     if with_agreement and session.last is not None and not is_deaf:
         threshold = match_threshold(robot)
@@ -301,20 +317,29 @@ def belief_bars(session: Session, with_agreement: bool) -> list[Bars]:
     return groups
 
 
+def _short(labels: Sequence[str]) -> list[str]:
+    """Labels that leave room for the bars."""
+    return [x if len(x) <= LONGEST_LABEL else f"{x[: LONGEST_LABEL - 1]}…" for x in labels]
+
+
 def why(session: Session) -> str:
     """Why the robot acted, and how the trial ended if it has."""
     decision: Decision | None = session.last
     robot: Robot = session.robot
     if decision is None:
         goals = robot.model.world.goals
+        if not is_table(robot.model.world):
+            worth = ", ".join(f"{goal.name} is worth {goal.reward:g}" for goal in goals)
+            return f"Take the robot to the goal you want. To the robot {worth}."
         worth = " and ".join(f"the {goal.name} one is worth {goal.reward:g}" for goal in goals)
         return f"Take the robot to the bottle you want. To the robot {worth}."
     text = explain(robot, decision)
     if session.goal is not None:
         goal = robot.model.world.goals[session.goal]
         steps = len(session.decisions)
+        noun = "bottle" if is_table(robot.model.world) else "goal"
         text = (
-            f"The {goal.name} bottle, worth {goal.reward:g}, after {steps} steps. "
+            f"The {goal.name} {noun}, worth {goal.reward:g}, after {steps} steps. "
             f"Press n for a new trial, q to quit.\n{text}"
         )
     return text

@@ -9,16 +9,19 @@ from textual.screen import ModalScreen
 from textual.widgets import Static
 
 HELP = """\
-You want one of the two bottles. The robot thinks it knows the better one.
+You want one of the goals: on the table, a bottle. The robot thinks it knows the
+better one.
 It waits for your key, takes one step, and shows what it did.
 
- ← ↑ →   ask for left, forward or right
+ ← ↑ → ↓ ask for left, forward, right or, where there is such an input, back
+ 1 2 3   the inputs in their order, where there are others
  space   ask for nothing: the robot takes a step of its own
  n       a new trial: the robot starts again and forgets you
  q       quit; the log is saved after every step
  page    up and down scroll where the window is small
 
- ●  the robot    ○  its start    █  a bottle    ← ↑ →  the way it came
+ ●  the robot    ○  its start    █  a bottle    1 2 3  other goals
+ ▒  an obstacle  ← ↑ →  the way it came
 
 "Where you want to go" is how likely it thinks each bottle is yours.
 "Your adaptability" is its belief over alpha: at 0 you never give in,

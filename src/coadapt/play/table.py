@@ -26,6 +26,7 @@ ARROWS = {
     (-1, -1): "↙",
 }
 FREE, ROBOT, START, NECK, BOTTLE = "·", "●", "○", "╷", "█"
+OBSTACLE = "▒"
 
 SMALLEST_CELL = 2
 LARGEST_CELL = 6
@@ -36,6 +37,21 @@ def arrow(direction: FloatArray) -> str:
     """The direction ``[2]`` of an action or input as a character."""
     right, ahead = np.sign(direction.round(1))
     return ARROWS.get((int(right), int(ahead)), "•")
+
+
+def is_table(world: World) -> bool:
+    """Whether it is the paper's task, with two bottles to name above the far row."""
+    return world.name.startswith("table_clearing")
+
+
+def goal_labels(world: World) -> tuple[str, ...]:
+    """The goals' names; with the digits that stand in their cells where they are no bottles."""
+    names = [goal.name for goal in world.goals]
+    return tuple(names if is_table(world) else [f"{_mark(g)} {n}" for g, n in enumerate(names)])
+
+
+def _mark(goal: int) -> str:
+    return f"{goal + 1}" if goal < 9 else BOTTLE
 
 
 @dataclass(frozen=True)
@@ -104,11 +120,15 @@ class TableView(Widget):
         first_row, shown_rows = _window(here[1], rows, (room.height - 2) // down)
         trail = {_cell(world, d.state): arrow(world.directions[d.action]) for d in scene.decisions}
         start = _cell(world, world.start)
+        cells = {_cell(world, state) for state in range(world.states)}
+        marks = {
+            _cell(world, x): _mark(g) for g, goal in enumerate(world.goals) for x in goal.states
+        }
 
         text = Text("\n" * max(0, (room.height - 2 - shown_rows * down) // 2), no_wrap=True)
         margin = " " * max(0, (room.width - shown_columns * across) // 2)
         above, below = (_Labels(shown_columns * across) for _ in range(2))
-        for cell, goal in there.items():
+        for cell, goal in there.items() if is_table(world) else ():
             middle = (cell[0] - first_column) * across + across // 2
             above.add(middle, f"{goal.name} {goal.reward:g}", "‹ ", " ›")
         below.add((start[0] - first_column) * across + across // 2, "start")
@@ -119,8 +139,10 @@ class TableView(Widget):
             for column in range(first_column, first_column + shown_columns):
                 cell = column, row
                 glyph, part = FREE, "free"
-                if cell in there:
-                    glyph, part = BOTTLE, "goal"
+                if cell not in cells:
+                    glyph = OBSTACLE
+                elif cell in there:
+                    glyph, part = BOTTLE if is_table(world) else marks[cell], "goal"
                 elif cell in trail:
                     glyph, part = trail[cell], "trail"
                 elif cell == start:
@@ -129,7 +151,7 @@ class TableView(Widget):
                     glyph, part = ROBOT, "robot"
                 style = self.get_component_rich_style(f"table--{part}")
                 lower.append(_centred(glyph, across), style)
-                neck = NECK if cell in there and cell != here else " "
+                neck = NECK if is_table(world) and cell in there and cell != here else " "
                 upper.append(_centred(neck, across), style)
             text.append_text(_stacked(upper, lower, down))
         text.append(f"{margin}{below}", self.get_component_rich_style("table--free"))
