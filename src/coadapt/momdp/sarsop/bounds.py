@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from typing import Any
+
 import numpy as np
 
 from coadapt.arrays import FloatArray, IntArray
@@ -95,17 +97,8 @@ def refresh_upper(tree: Tree, n: int, scratch: FloatArray) -> float:
         oldest = max(seen + 1, i_point - i_point % BLOCK)
         size = 0
         for i in range(i_point, oldest - 1, -1):
-            # Where a point failed before it fails most often: two looks instead of many. No
-            # branches, since none could be foreseen.
-            point = tree.points[i]
-            drop = point["drop"]
             useful[size] = i
-            size += int(
-                (drop > below)
-                & (point["support"] & outside == 0)
-                & (scratch[point["last_y"]] * drop > below * point["last_mass"])
-                & (scratch[point["other_y"]] * drop > below * point["other_mass"])
-            )
+            size += int(may_help(tree.points[i], below, outside, scratch))
         for j in range(size):
             below = max(below, drop_by(tree, useful[j], below, scratch))
         i_point = tree.points[oldest]["older"]
@@ -113,6 +106,23 @@ def refresh_upper(tree: Tree, n: int, scratch: FloatArray) -> float:
         scratch[tree.entry_y[i]] = 0.0
     lower_upper(tree, n, node["corners"] - below)
     return node["upper"]
+
+
+@inner
+def may_help(point: Any, above: float, outside: int, mass: FloatArray) -> bool:
+    """Whether ``point`` could bring the bound more than ``above`` below the corners.
+
+    ``outside`` is the complement of the support of the belief ``mass`` ``[Y]``. Where a point
+    failed before it fails most often: two looks instead of many. No branches, since none could be
+    foreseen.
+    """
+    drop = point["drop"]
+    return (
+        (drop > above)
+        & (point["support"] & outside == 0)
+        & (mass[point["last_y"]] * drop > above * point["last_mass"])
+        & (mass[point["other_y"]] * drop > above * point["other_mass"])
+    )
 
 
 @inner

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from coadapt.arrays import FloatArray, IntArray
-from coadapt.momdp.sarsop.bounds import add_lane, drop_by, place_of_point
+from coadapt.momdp.sarsop.bounds import add_lane, drop_by, may_help, place_of_point
 from coadapt.momdp.sarsop.jit import inner, kernel
 from coadapt.momdp.sarsop.tree import (
     GROUPS,
@@ -125,21 +125,21 @@ def is_superfluous(tree: Tree, others: IntArray, j: int, mass: FloatArray) -> bo
     enough = float(point["drop"] - SMALL_PART * (node["upper"] - node["lower"]))
     if enough <= 0.0:
         return True
+    outside = ~int(node["support"])
     first = node["first_entry"]
     last = first + node["entries"]
     for i in range(first, last):
         mass[tree.entry_y[i]] = tree.entry_mass[i]
     found = False
     for other in others:
-        if other != NONE and other != others[j]:
-            rival = tree.points[other]
-            if (
-                rival["drop"] > enough
-                and rival["support"] & ~node["support"] == 0
-                and drop_by(tree, other, enough, mass) > 0.0
-            ):
-                found = True
-                break
+        if (
+            other != NONE
+            and other != others[j]
+            and may_help(tree.points[other], enough, outside, mass)
+            and drop_by(tree, other, enough, mass) > 0.0
+        ):
+            found = True
+            break
     for i in range(first, last):
         mass[tree.entry_y[i]] = 0.0
     return found
