@@ -110,6 +110,25 @@ def test_a_task_is_solved_evaluated_simulated_and_replayed(
     assert "changed: task.model" in changed
 
 
+def test_what_chance_did_is_replayed(capsys: pytest.CaptureFixture[str]) -> None:
+    # Two starts, and a robot that does another move in three of ten steps.
+    drawing = '"""\nW...E\n.....\n.@.@.\n"""\nslip = 0.3'
+    text = TASK.replace('"W..@.E"', drawing).replace('["left",', '["left", "forward",')
+    Path("slippery.toml").write_text(text)
+    arguments = ["simulate", "slippery.toml", "--episodes", "50", "--log", "log.csv", "--json"]
+    arguments += ["--robot", "no_adaptation"]
+    record = json.loads(output(capsys, *arguments))
+    assert record["no_goal"] == 0
+    replayed = json.loads(output(capsys, "replay", "log.csv", "--json"))
+    assert replayed["comparison"]["different"] == 0
+    assert replayed["comparison"]["steps"] == sum(len(t["steps"]) for t in replayed["trials"])
+    ends = [trial["goal"] for trial in replayed["trials"]]
+    assert len(ends) == 50
+    assert ends.count("East") / 50 == pytest.approx(record["goals"]["East"], abs=1e-12)
+    starts = {trial["steps"][0]["state"] for trial in replayed["trials"]}
+    assert starts == {"column 1 row 0", "column 3 row 0"}
+
+
 def test_a_log_of_format_1_is_read(capsys: pytest.CaptureFixture[str]) -> None:
     # As coadapt wrote it before there were tasks, shortened to what replay needs.
     head = '# coadapt log, format 1\n# written by coadapt 0.1.0\n# setup {"columns":7,"rows":3}\n'

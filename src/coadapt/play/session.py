@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from time import monotonic
+
+import numpy as np
 
 from coadapt.robots import Decision, Robot
 from coadapt.simulation import Trial
 from coadapt.simulation.log_writer import LiveLog
+from coadapt.simulation.simulate import draw_outcomes, draw_start
 
 CLOCK_DECIMALS = 3
 """Times are saved in milliseconds."""
@@ -20,6 +24,7 @@ class Session:
         robot: decides.
         log: where the steps are saved.
         clock: seconds from any start; the log's time is 0 when the session begins.
+        rng: draws where a trial begins and where moves lead, in tasks that leave it to chance.
 
     Attributes:
         robot: the robot.
@@ -27,8 +32,15 @@ class Session:
         decisions: those of the trial under way.
     """
 
-    def __init__(self, robot: Robot, log: LiveLog, clock: Callable[[], float] = monotonic) -> None:
+    def __init__(
+        self,
+        robot: Robot,
+        log: LiveLog,
+        clock: Callable[[], float] = monotonic,
+        rng: np.random.Generator | None = None,
+    ) -> None:
         self.robot = robot
+        self._rng = np.random.default_rng() if rng is None else rng
         self._log = log
         self._clock = clock
         self._begin = clock()
@@ -66,7 +78,10 @@ class Session:
             FileError: if the step cannot be saved.
         """
         time = round(self._clock() - self._begin, CLOCK_DECIMALS)
-        decision = self._trial.step(human_input)
+        model = self.robot.model
+        drawn = partial(draw_outcomes, model, [self._rng])
+        outcome = None if model.world.is_deterministic else drawn
+        decision = self._trial.step(human_input, outcome=outcome)
         self.decisions.append(decision)
         self._log.write(time, self.trial_number, decision)
         return decision
@@ -82,5 +97,5 @@ class Session:
         self._log.close()
 
     def _start_trial(self) -> None:
-        self._trial = Trial(self.robot)
+        self._trial = Trial(self.robot, start=draw_start(self.robot.model, self._rng))
         self.decisions: list[Decision] = []

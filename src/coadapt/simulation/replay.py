@@ -3,13 +3,14 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import groupby
 
+from coadapt.arrays import BoolArray, IntArray
 from coadapt.errors import FileError
-from coadapt.robots import Robot
-from coadapt.simulation.episode import Episode, Trial
+from coadapt.robots import Decisions, Robot
+from coadapt.simulation.episode import Episode, Outcome, Trial
 from coadapt.simulation.log import DecisionCells, LogRow, Value
 
 
@@ -64,6 +65,10 @@ def replay(
 ) -> Iterator[ReplayedTrial]:
     """Run the inputs of a log through a robot, whose belief starts anew in every trial.
 
+    What a task leaves to chance is as the log's states say: where a trial begins, and where an
+    action led. Where the log does not say, it is the likeliest; but a last action leads to a goal
+    if it can.
+
     Args:
         robot: decides.
         rows: the log, for example `LogReader.rows`.
@@ -80,12 +85,14 @@ def replay(
     world = robot.model.world
     index = {name: i for i, name in enumerate(robot.model.interface.names)}
     for number, group in groupby(rows, key=lambda row: row.trial):
-        trial = Trial(robot)
+        course = _Course(robot, list(group))
+        trial = Trial(robot, start=course.start)
         used: list[LogRow] = []
         unused = 0
-        for row in group:
+        for i, row in enumerate(course.rows):
             if not trial.done:
-                trial.step(None if row.human_input is None else index[row.human_input])
+                human_input = None if row.human_input is None else index[row.human_input]
+                trial.step(human_input, outcome=course.outcome(i))
                 used.append(row)
             elif skip_rest:
                 unused += 1
@@ -99,6 +106,50 @@ def replay(
                     f"expected trial {number + 1}",
                 )
         yield ReplayedTrial(number, tuple(used), trial.episode(), unused)
+
+
+@dataclass(frozen=True)
+class _Course:
+    """Where a recorded trial went.
+
+    Attributes:
+        robot: decides in the replay.
+        rows: of one trial.
+    """
+
+    robot: Robot
+    rows: Sequence[LogRow]
+
+    @property
+    def start(self) -> int:
+        """The first state."""
+        starts = self.robot.model.world.start_chances
+        recorded = self._state(0)
+        if recorded is not None and recorded in starts:
+            return recorded
+        return max(starts, key=lambda x: starts[x])
+
+    def outcome(self, i: int) -> Outcome | None:
+        """What the action of row ``i`` led to; None where moves are certain."""
+        world = self.robot.model.world
+        if world.is_deterministic:
+            return None
+        following = self._state(i + 1)
+
+        def found(decisions: Decisions) -> IntArray:
+            x, action = int(decisions.state[0]), int(decisions.action[0])
+            states, chances = world.outcomes[x, action], world.outcome_chances[x, action]
+            wanted: BoolArray = world.ends[states] if following is None else states == following
+            rank = chances + (wanted & (chances > 0))  # first those wanted, then the likeliest
+            return rank.reshape(1, -1).argmax(axis=1)
+
+        return found
+
+    def _state(self, i: int) -> int | None:
+        """The state recorded in row ``i``, if there is one."""
+        name = self.rows[i].recorded.get("state") if i < len(self.rows) else None
+        names = self.robot.model.world.state_names
+        return names.index(name) if isinstance(name, str) and name in names else None
 
 
 class Comparison:

@@ -62,7 +62,7 @@ def _run(
     robot: Decider, partner: Partner, generators: Sequence[np.random.Generator], max_steps: int
 ) -> list[Episode]:
     model, world = robot.model, robot.model.world
-    starts = np.array([_draw_start(model, rng) for rng in generators], dtype=np.int64)
+    starts = np.array([draw_start(model, rng) for rng in generators], dtype=np.int64)
     trials = Trials(robot, len(generators), starts=starts)
     modes = np.array([partner.first_mode(model, rng) for rng in generators], dtype=np.int64)
     for _ in range(max_steps):
@@ -78,7 +78,7 @@ def _run(
         )
         outcome = None
         if not world.is_deterministic:
-            outcome = partial(_draw_outcomes, model, [generators[i] for i in running])
+            outcome = partial(draw_outcomes, model, [generators[i] for i in running])
         actions = trials.step(running, inputs, modes[running], outcome).action
         modes[running] = [
             partner.next_mode(model, w, int(modes[i]), a, generators[i])
@@ -87,7 +87,7 @@ def _run(
     return [trials.episode(i) for i in range(len(generators))]
 
 
-def _draw_start(model: Model, rng: np.random.Generator) -> int:
+def draw_start(model: Model, rng: np.random.Generator) -> int:
     """The first state of an episode; nothing is drawn where there is but one."""
     starts = model.world.start_chances
     if len(starts) == 1:
@@ -95,9 +95,10 @@ def _draw_start(model: Model, rng: np.random.Generator) -> int:
     return list(starts)[draw(np.array(list(starts.values())), rng)]
 
 
-def _draw_outcomes(
+def draw_outcomes(
     model: Model, generators: Sequence[np.random.Generator], decisions: Decisions
 ) -> IntArray:
+    """``[K]`` an outcome for each decided action, each drawn from its own generator."""
     chances = model.outcome_chances(decisions.state, decisions.action, decisions.human_input)
     return np.array([draw(row, rng) for row, rng in zip(chances, generators, strict=True)])
 
