@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from functools import cache
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -140,3 +141,12 @@ def test_the_belief_over_six_goals_narrows() -> None:
     truth = np.mean([e.decisions[-1].mode_belief[goals.index("object A")] for e in found])
     assert truth > 0.8
     assert share(found, goals.index("object A")) > 0.7
+
+
+@pytest.mark.parametrize("name", task_names())
+def test_every_task_has_a_page(name: str) -> None:
+    page = (Path(__file__).parents[2] / "docs" / "tasks" / f"{name}.md").read_text("utf-8")
+    task = load_task(name)
+    if isinstance(task, Task) and task.map is not None:
+        drawing = "\n".join(task.map.lines)
+        assert f"```\n{drawing}\n```" in page
