@@ -20,7 +20,7 @@ from coadapt.momdp.sarsop.tree import (
 )
 
 
-@kernel
+@inner
 def refresh_lower(tree: Tree, n: int) -> float:
     """Raise the lower bound of node ``n`` by the alpha vectors it has not seen: max b . alpha."""
     node = tree.nodes[n]
@@ -73,7 +73,7 @@ def lane_totals(alpha: FloatArray, index: IntArray, mass: FloatArray, totals: Fl
             totals[k] += a * row_a[k]
 
 
-@kernel
+@inner
 def refresh_upper(tree: Tree, n: int, scratch: FloatArray) -> float:
     """Lower the upper bound of node ``n`` by the points it has not seen (sawtooth).
 

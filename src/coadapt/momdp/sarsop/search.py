@@ -9,7 +9,7 @@ import numpy as np
 from coadapt.arrays import FloatArray, IntArray
 from coadapt.momdp.model import MOMDP, Root
 from coadapt.momdp.policy import AlphaVectorPolicy
-from coadapt.momdp.sarsop.bounds import add_vector, add_vectors, refresh_lower, refresh_upper
+from coadapt.momdp.sarsop.bounds import add_vector, add_vectors
 from coadapt.momdp.sarsop.expand import add_node
 from coadapt.momdp.sarsop.initial import (
     SETTLED,
@@ -121,6 +121,8 @@ class Search:
         self._room[POINTS] = BLOCK
         self._tree, self._bins = self._begin(self._arrays, start)
         self._roots = self._plant()
+        # With any gap allowed the roots look at the first vectors, and nothing is searched.
+        _ = self.run(np.inf, 0.0, 0)
 
     @property
     def backups(self) -> int:
@@ -248,10 +250,8 @@ class Search:
         return np.array(nodes, dtype=np.int64)
 
     def _root_bounds(self) -> tuple[FloatArray, FloatArray]:
-        scratch = np.zeros(self._arrays.reward.shape[2])
-        lower = [refresh_lower(self._tree, n) for n in self._roots]
-        upper = [refresh_upper(self._tree, n, scratch) for n in self._roots]
-        return np.array(lower), np.array(upper)
+        roots = self._tree.nodes[self._roots]
+        return roots["lower"].copy(), roots["upper"].copy()
 
     def _policy(self) -> AlphaVectorPolicy:
         tree = self._tree
