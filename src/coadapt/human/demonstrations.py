@@ -11,7 +11,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.optimize import nnls
 
 from coadapt.arrays import BoolArray, FloatArray, IntArray
 from coadapt.human.path_likelihood import Demonstration, LikelihoodAt, PathLikelihood
@@ -165,6 +164,9 @@ def _newton_point(point: LikelihoodAt) -> FloatArray:
     ridge = 1e-14 * np.trace(point.information) * np.eye(len(point.weights))
     root = _root(point.information + ridge)
     target = root.T @ point.weights + np.linalg.solve(root, point.gradient)
+    # Imported now: only who learns from demonstrations need wait for it.
+    from scipy.optimize import nnls  # noqa: PLC0415
+
     return np.asarray(nnls(root.T, target)[0])
 
 
