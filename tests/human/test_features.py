@@ -13,7 +13,6 @@ from hypothesis import strategies as st
 
 import coadapt as ca
 from coadapt import SharedAutonomy
-from coadapt.human.enumeration import MOST_WINDOWS
 from coadapt.human.features import PerceivedMode, action_counts, feature_windows
 from coadapt.human.history import NO_ACTION, NO_WINDOW
 from coadapt.momdp.check import MOMDPWarning, check_momdp
@@ -91,8 +90,9 @@ def test_memories_out_of_range_are_refused(memory: int) -> None:
 
 
 def test_too_many_windows_are_refused(monkeypatch: pytest.MonkeyPatch) -> None:
-    assert MOST_WINDOWS > 10
-    monkeypatch.setattr("coadapt.human.enumeration.MOST_WINDOWS", 10)
     moves, ends = np.zeros((1, 2), dtype=np.int64), np.array([False])
+    # Up to three of two actions, everything remembered: 1 + 2 + 4 + 8.
+    assert len(feature_windows(moves, [0], ends, 4, everything)) == 15
+    monkeypatch.setattr("coadapt.human.enumeration.MOST_WINDOWS", 10)
     with pytest.raises(ValueError, match="more than 10 windows"):
         feature_windows(moves, [0], ends, 20, everything)

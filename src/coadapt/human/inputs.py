@@ -113,6 +113,9 @@ class Inputs:
             directions: ``[A, 2]`` where they point.
             slip: probability of another input than the wanted one, all alike, in [0, 1].
             silence: as for `Inputs`.
+
+        Raises:
+            ValueError: if a probability is out of its range.
         """
         count = len(names)
         if not 0 <= slip <= 1:
@@ -136,8 +139,11 @@ class Inputs:
         Args:
             directions: ``[A, 2]`` where the robot's actions point.
             concentration: ``k`` of the density, at least 0: 4 puts 60 % on the right one of the
-                eight directions, 0 is no aim at all.
+                eight directions, 0 is no aim at all; at most 500.
             silence: as for `Inputs`.
+
+        Raises:
+            ValueError: if a number is out of its range.
         """
         if not 0 <= concentration <= 500:
             raise ValueError(f"concentration must lie in [0, 500], not {concentration}")
@@ -170,6 +176,9 @@ class Inputs:
             pressed_for: those for which the person presses, at least one and not all.
             error: probability of the other thing, in [0, 0.5].
             silence: as for `Inputs`: steps in which the button was not looked at.
+
+        Raises:
+            ValueError: if it is pressed for no action, for all, or a number is out of its range.
         """
         wanted = sorted(set(pressed_for))
         if not 0 < len(wanted) < actions or wanted[0] < 0 or wanted[-1] >= actions:

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from functools import cached_property
+
 import numpy as np
 
 from coadapt.arrays import FloatArray, IntArray
 from coadapt.formalism import SharedAutonomy
 from coadapt.robots.robot import Decision, Decisions, one_situation
-from coadapt.worlds.world import UNREACHABLE
 
 
 class NoAdaptation:
@@ -30,7 +31,7 @@ class NoAdaptation:
         self.model = model
         world = model.world
         self._nearness = world.nearness(world.optimal_goal)
-        if any(world.distance(world.optimal_goal)[list(world.start_chances)] == UNREACHABLE):
+        if not self._nearness[list(world.start_chances)].any(axis=1).all():
             goal = world.goals[world.optimal_goal].name
             raise ValueError(f"the optimal goal, {goal}, cannot be reached from the start")
         self.reset()
@@ -89,6 +90,12 @@ class NoAdaptation:
     def action_values(self, decision: Decision) -> FloatArray:
         """``[A_r]`` discounted reward of the optimal goal after each action."""
         world = self.model.world
-        worth = world.nearness(world.optimal_goal, self.model.discount)[decision.state]
         reward = world.goals[world.optimal_goal].reward
-        return np.where(self._nearness[decision.state] == 0, -np.inf, reward * worth)
+        worth = reward * self._discounted_nearness[decision.state]
+        return np.where(self._nearness[decision.state] == 0, -np.inf, worth)
+
+    @cached_property
+    def _discounted_nearness(self) -> FloatArray:
+        """``[X, A_r]`` nearness with the model's discount: needed for explanations alone."""
+        world = self.model.world
+        return world.nearness(world.optimal_goal, self.model.discount)

@@ -6,8 +6,9 @@ from collections.abc import Mapping, Sequence
 
 from coadapt import __version__
 from coadapt.formalism import SharedAutonomy
+from coadapt.momdp.sarsop import Status
 from coadapt.report.html import Grid, environment, fixed, inline_svg, percent
-from coadapt.report.task.results import RobotPerformance, TaskResults, is_certified
+from coadapt.report.task.results import RobotPerformance, TaskResults
 from coadapt.simulation import Episode
 
 
@@ -32,7 +33,7 @@ def render_page(found: TaskResults, svgs: Mapping[str, str], files: Sequence[str
             first=found.model.mode_names[found.first_mode],
             planned=planned,
             shape=found.model.to_momdp().shape,
-            certified=is_certified(found.solution),
+            certified=found.solution.status is Status.GAP,
             figure={name: inline_svg(text, name) for name, text in svgs.items()},
             performance_tables=[_performance(found, robot) for robot in found.robots],
             sample_tables=[

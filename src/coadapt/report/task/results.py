@@ -12,7 +12,7 @@ import numpy as np
 from coadapt.arrays import FloatArray
 from coadapt.formalism import Model, SharedAutonomy
 from coadapt.formalism.collaboration import Collaboration
-from coadapt.momdp.sarsop import Solution, Status
+from coadapt.momdp.sarsop import Solution
 from coadapt.report.planning import solve
 from coadapt.robots import (
     Collaborator,
@@ -176,11 +176,6 @@ def task_results(
         robots=tuple(found),
         settings=settings,
     )
-
-
-def is_certified(solution: Solution) -> bool:
-    """Whether the planner came as close as it was asked to."""
-    return solution.status is Status.GAP
 
 
 def _first_mode(model: Model) -> int:
