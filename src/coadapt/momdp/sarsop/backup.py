@@ -5,6 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from coadapt.arrays import FloatArray
+from coadapt.jit import inner
 from coadapt.momdp.sarsop.bounds import (
     add_point,
     add_vector,
@@ -13,7 +14,6 @@ from coadapt.momdp.sarsop.bounds import (
     refresh_upper,
 )
 from coadapt.momdp.sarsop.expand import expand_branch
-from coadapt.momdp.sarsop.jit import inner
 from coadapt.momdp.sarsop.problem import Problem, pull
 from coadapt.momdp.sarsop.tree import BACKUPS, NONE, Tree
 

@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from coadapt.arrays import FloatArray, IntArray
-from coadapt.momdp.sarsop.jit import inner, kernel
+from coadapt.jit import inner, kernel
 from coadapt.momdp.sarsop.tree import (
     BLOCK,
     GROUPS,

@@ -8,8 +8,8 @@ from typing import NamedTuple
 import numpy as np
 
 from coadapt.arrays import BoolArray, FloatArray, IntArray
+from coadapt.jit import inner, kernel
 from coadapt.momdp.policy import AlphaVectorPolicy
-from coadapt.momdp.sarsop.jit import inner, kernel
 from coadapt.momdp.sarsop.problem import Problem, push, row_of
 
 OVER = -1

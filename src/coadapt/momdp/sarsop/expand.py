@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from coadapt.arrays import FloatArray, IntArray
-from coadapt.momdp.sarsop.jit import inner, kernel
+from coadapt.jit import inner, kernel
 from coadapt.momdp.sarsop.problem import Problem, push
 from coadapt.momdp.sarsop.tree import BRANCHES, CHILDREN, ENTRIES, NODES, NONE, Tree
 

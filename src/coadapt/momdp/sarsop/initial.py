@@ -14,7 +14,7 @@ from __future__ import annotations
 import numpy as np
 
 from coadapt.arrays import BoolArray, FloatArray, IntArray
-from coadapt.momdp.sarsop.jit import inner, kernel
+from coadapt.jit import inner, kernel
 from coadapt.momdp.sarsop.problem import Problem, pull, row_of, staying
 
 SETTLED = 1e-4

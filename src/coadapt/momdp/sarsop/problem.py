@@ -8,8 +8,8 @@ import numpy as np
 from scipy import sparse
 
 from coadapt.arrays import FloatArray, IntArray
+from coadapt.jit import kernel
 from coadapt.momdp.model import MOMDP
-from coadapt.momdp.sarsop.jit import kernel
 from coadapt.momdp.transition import JumpTransition
 
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 
 from coadapt.arrays import FloatArray, IntArray
+from coadapt.jit import inner, kernel
 from coadapt.momdp.sarsop.bounds import add_lane, drop_by, may_help, place_of_point
-from coadapt.momdp.sarsop.jit import inner, kernel
 from coadapt.momdp.sarsop.tree import (
     GROUPS,
     KEPT,

@@ -15,10 +15,10 @@ from typing import NamedTuple
 import numpy as np
 
 from coadapt.arrays import FloatArray, IntArray
+from coadapt.jit import inner, kernel
 from coadapt.momdp.sarsop.backup import backup_lower, backup_upper, q_lower
 from coadapt.momdp.sarsop.bounds import refresh_lower, refresh_upper
 from coadapt.momdp.sarsop.expand import expand_branch, open_node
-from coadapt.momdp.sarsop.jit import inner, kernel
 from coadapt.momdp.sarsop.problem import Problem
 from coadapt.momdp.sarsop.prune import retire_points, retire_vectors
 from coadapt.momdp.sarsop.tree import (

@@ -7,6 +7,7 @@ from functools import cache
 import numpy as np
 
 from coadapt.arrays import FloatArray, IntArray
+from coadapt.jit import is_compiled
 from coadapt.momdp.model import MOMDP, Root
 from coadapt.momdp.policy import AlphaVectorPolicy
 from coadapt.momdp.sarsop.bounds import add_vector, add_vectors
@@ -18,7 +19,6 @@ from coadapt.momdp.sarsop.initial import (
     observed_policies,
     policy_values,
 )
-from coadapt.momdp.sarsop.jit import is_compiled
 from coadapt.momdp.sarsop.problem import Problem, as_arrays
 from coadapt.momdp.sarsop.prune import prune_vectors, retire_points
 from coadapt.momdp.sarsop.sample import CLOSED, NO_ROOM, STALLED, Bins, new_bins, run_trials

@@ -19,10 +19,10 @@ from typing import NamedTuple
 import numpy as np
 
 from coadapt.arrays import FloatArray, IntArray
+from coadapt.jit import kernel
 from coadapt.momdp.model import MOMDP
 from coadapt.momdp.policy import AlphaVectorPolicy, require_fit
 from coadapt.momdp.sarsop.initial import extreme_value
-from coadapt.momdp.sarsop.jit import kernel
 from coadapt.momdp.sarsop.problem import Problem, pull
 
 

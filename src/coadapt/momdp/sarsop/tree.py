@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coadapt.arrays import FloatArray, IntArray
-from coadapt.momdp.sarsop.jit import inner
+from coadapt.jit import inner
 from coadapt.momdp.sarsop.problem import Problem
 
 Records = NDArray[np.void]

@@ -16,10 +16,17 @@ import numba
 Function = TypeVar("Function", bound=Callable[..., Any])
 
 
+ROOT = Path(__file__).parent
+
+FOLDERS = ("momdp/sarsop",)
+"""Where kernels are."""
+
+
 def _digest_of_kernels() -> str:
     digest = sha256()
-    for source in sorted(Path(__file__).parent.glob("*.py")):
-        digest.update(source.read_bytes())
+    for folder in FOLDERS:
+        for source in sorted((ROOT / folder).glob("*.py")):
+            digest.update(source.read_bytes())
     return digest.hexdigest()
 
 
