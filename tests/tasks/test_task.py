@@ -14,7 +14,8 @@ from hypothesis import strategies as st
 from coadapt import SharedAutonomy
 from coadapt.errors import FileError
 from coadapt.human import Adaptability
-from coadapt.tasks import Task, TaskError, parse_task, read_task
+from coadapt.requirements import FieldError
+from coadapt.tasks import Task, parse_task, read_task
 from coadapt.tasks.map import DIRECTIONS
 from coadapt.tasks.show import description
 from coadapt.worlds import table_clearing
@@ -334,11 +335,11 @@ def test_line_ends_do_not_matter(tmp_path: Path) -> None:
 
 
 def test_from_python_the_key_is_named() -> None:
-    with pytest.raises(TaskError, match=r"^memory must be from 1 to 100, not 0$") as caught:
+    with pytest.raises(FieldError, match=r"^memory must be from 1 to 100, not 0$") as caught:
         msgspec.structs.replace(parse(MAP).model, memory=0)
     assert caught.value.key == ("memory",)
     replace: Any = msgspec.structs.replace
-    with pytest.raises(TaskError, match="takes at most 60,000 bytes"):
+    with pytest.raises(FieldError, match="takes at most 60,000 bytes"):
         states = tuple(f"a rather long name of a state numbered {i}" for i in range(2000))
         graph = replace(parse(GRAPH).graph, states=("closed", "ajar", "open", "jammed", *states))
         replace(parse(GRAPH), graph=graph)

@@ -61,9 +61,9 @@ def changed_setup(base: AnySetup, given: Mapping[str, object]) -> AnySetup:
     Raises:
         InputError: if a value cannot be used; names the option.
     """
+    from coadapt.requirements import FieldError
     from coadapt.robots.setup import SetupError
     from coadapt.robots.task_setup import changed
-    from coadapt.tasks import TaskError
 
     changes = {name: value for name, value in given.items() if value is not None}
     try:
@@ -71,7 +71,7 @@ def changed_setup(base: AnySetup, given: Mapping[str, object]) -> AnySetup:
         _ = setup.model()
     except SetupError as error:
         raise InputError(f"{_flag(error.field)} {error.problem}") from error
-    except TaskError as error:
+    except FieldError as error:
         # The task itself was found usable: it is an option that does not go with the rest.
         name = str(error.key[-1]) if error.key else ""
         if name in changes:

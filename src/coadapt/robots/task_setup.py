@@ -8,6 +8,7 @@ from typing import cast
 import msgspec
 
 from coadapt.formalism import SharedAutonomy
+from coadapt.requirements import FieldError
 from coadapt.robots.robot import Robot
 from coadapt.robots.setup import (
     Progress,
@@ -17,7 +18,7 @@ from coadapt.robots.setup import (
     planned_robot,
     require_planned,
 )
-from coadapt.tasks import Task, TaskError
+from coadapt.tasks import Task
 from coadapt.tasks.person import TaskAdaptability
 
 MODEL_FIELDS = ("memory", "disagreement_cost", "discount", "step_cost")
@@ -52,7 +53,7 @@ class TaskSetup(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields
         """World and people, the same for all three robots.
 
         Raises:
-            TaskError: if the parts of the task do not fit together.
+            FieldError: if the parts of the task do not fit together.
         """
         return self.task.build()
 
@@ -60,7 +61,7 @@ class TaskSetup(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields
         """The robot, its policy planned now, see `planned_robot`.
 
         Raises:
-            TaskError: as `model`.
+            FieldError: as `model`.
         """
         return planned_robot(self, progress)
 
@@ -89,7 +90,7 @@ def changed(setup: AnySetup, changes: Mapping[str, object]) -> AnySetup:
             values = cast("tuple[float, ...]", changes["adaptability"])
             adaptability = TaskAdaptability(values=values)
             task = msgspec.structs.replace(task, adaptability=adaptability)
-    except TaskError as error:
+    except FieldError as error:
         raise SetupError(_field(error), error.problem) from error
     rest = {
         name: value
@@ -138,7 +139,7 @@ def _differences(
             yield f"{prefix}{name}"
 
 
-def _field(error: TaskError) -> str:
+def _field(error: FieldError) -> str:
     """The name of the value that is meant, as in `RobotSetup`."""
     name = str(error.key[-1]) if error.key else "task"
     return "adaptability" if name in ("values", "prior") else name

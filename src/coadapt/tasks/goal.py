@@ -5,7 +5,7 @@ from __future__ import annotations
 import msgspec
 
 from coadapt.errors import excerpt
-from coadapt.tasks.requirements import require, require_chance, require_name, require_reward
+from coadapt.requirements import require, require_chance, require_name, require_reward
 
 FREE, OBSTACLE, START = ".", "#", "@"
 """Symbols of a map; goals have symbols of their own."""

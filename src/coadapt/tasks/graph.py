@@ -10,19 +10,19 @@ import numpy as np
 from coadapt.arrays import FloatArray, IntArray
 from coadapt.errors import excerpt
 from coadapt.human.history import NO_STATE
-from coadapt.tasks.goal import TaskGoal
-from coadapt.tasks.map import DIRECTIONS
-from coadapt.tasks.requirements import (
+from coadapt.requirements import (
     LARGEST_REWARD,
     MOST_ACTIONS,
     MOST_STATES,
+    FieldError,
     Key,
-    TaskError,
     require,
     require_chance,
     require_known,
     require_names,
 )
+from coadapt.tasks.goal import TaskGoal
+from coadapt.tasks.map import DIRECTIONS
 from coadapt.worlds import Goal, World
 
 
@@ -70,7 +70,7 @@ class TaskGraph(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields
                 require((name, place), small, "two numbers", point)
         if self.positions and len(self.positions) < len(self.states):
             missing = next(state for state in self.states if state not in self.positions)
-            raise TaskError(("positions",), f"lacks {excerpt(missing)}, expected all or none")
+            raise FieldError(("positions",), f"lacks {excerpt(missing)}, expected all or none")
 
     def _require_chances(self, key: Key, given: str | dict[str, float], known: set[str]) -> None:
         outcomes = {given: 1.0} if isinstance(given, str) else given
@@ -84,13 +84,13 @@ class TaskGraph(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields
         """The world.
 
         Raises:
-            TaskError: if the states and the goals do not fit together.
+            FieldError: if the states and the goals do not fit together.
         """
         number = {state: i for i, state in enumerate(self.states)}
         placed: list[Goal] = []
         for i, goal in enumerate(goals):
             if goal.symbol is not None:
-                raise TaskError(("goals", i, "symbol"), "is for maps; a graph has states")
+                raise FieldError(("goals", i, "symbol"), "is for maps; a graph has states")
             states = (goal.name,) if goal.states is None else goal.states
             key = ("goals", i, "name" if goal.states is None else "states")
             require(key, bool(states), "at least one state", "none")

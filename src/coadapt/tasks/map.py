@@ -7,16 +7,16 @@ from collections.abc import Sequence
 import msgspec
 
 from coadapt.errors import excerpt
-from coadapt.tasks.goal import FREE, OBSTACLE, START, TaskGoal
-from coadapt.tasks.requirements import (
+from coadapt.requirements import (
     LARGEST_REWARD,
     MOST_ACTIONS,
     MOST_STATES,
-    TaskError,
+    FieldError,
     require,
     require_chance,
     require_names,
 )
+from coadapt.tasks.goal import FREE, OBSTACLE, START, TaskGoal
 from coadapt.worlds import World, grid
 from coadapt.worlds.grid import Cell
 
@@ -67,7 +67,7 @@ class TaskMap(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
         require(("drawing",), cells <= MOST_STATES, few, f"{cells:,}")
         for i, line in enumerate(lines, start=1):
             if len(line) != len(lines[0]):
-                raise TaskError(
+                raise FieldError(
                     ("drawing",),
                     f"has {len(line)} cells in its line {i}, expected {len(lines[0])} as in its "
                     "first line",
@@ -90,37 +90,37 @@ class TaskMap(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields=T
         """The world.
 
         Raises:
-            TaskError: if the drawing and the goals do not fit together.
+            FieldError: if the drawing and the goals do not fit together.
         """
         cells = self.cells()
         owner: dict[str, str] = {}
         for i, goal in enumerate(goals):
             if goal.states is not None:
-                raise TaskError(("goals", i, "states"), "is for graphs; a map has symbols")
+                raise FieldError(("goals", i, "states"), "is for graphs; a map has symbols")
             if goal.mark in (FREE, OBSTACLE, START):
-                raise TaskError(("goals", i, "name"), "needs a symbol beside it")
+                raise FieldError(("goals", i, "name"), "needs a symbol beside it")
             if goal.mark in owner:
-                raise TaskError(
+                raise FieldError(
                     ("goals", i, "symbol"),
                     f"is {goal.mark!r} like that of {owner[goal.mark]}, expected another",
                 )
             owner[goal.mark] = goal.name
             if goal.mark not in cells:
-                raise TaskError(
+                raise FieldError(
                     ("map", "drawing"), f"has no cell {goal.mark!r}, expected one for {goal.name}"
                 )
         for symbol, where in cells.items():
             if symbol not in (FREE, OBSTACLE, START, *owner):
                 column, row = where[0]
                 known = " ".join([FREE, OBSTACLE, START, *owner])
-                raise TaskError(
+                raise FieldError(
                     ("map", "drawing"),
                     f"has {excerpt(symbol)} in its line {len(self.lines) - row}, column "
                     f"{column + 1}, expected one of {known}",
                 )
         starts = cells.get(START, [])
         if not starts:
-            raise TaskError(("map", "drawing"), f"has no {START}, expected one where it starts")
+            raise FieldError(("map", "drawing"), f"has no {START}, expected one where it starts")
         return grid(
             len(self.lines[0]),
             len(self.lines),

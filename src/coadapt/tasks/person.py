@@ -13,7 +13,7 @@ from coadapt.errors import excerpt
 from coadapt.formalism.shared_autonomy import PAPER_ADAPTABILITY
 from coadapt.human import Adaptability
 from coadapt.human.inputs import Inputs
-from coadapt.tasks.requirements import TaskError, require, require_chance, require_distribution
+from coadapt.requirements import FieldError, require, require_chance, require_distribution
 
 MOST_ADAPTABILITIES = 100
 
@@ -74,10 +74,10 @@ class JoystickInputs(
         """For a world's ``actions`` and where they point, ``[A, 2]``.
 
         Raises:
-            TaskError: if none of the actions points anywhere.
+            FieldError: if none of the actions points anywhere.
         """
         if not directions.any():
-            raise TaskError(
+            raise FieldError(
                 ("inputs", "kind"),
                 "is 'joystick', expected actions that point somewhere: name them left, forward, "
                 "right ..., or give their directions",
@@ -113,7 +113,7 @@ class SwitchInputs(
         """For a world's ``actions``; where they point does not matter.
 
         Raises:
-            TaskError: if the button is not pressed for some of the actions, and not for all.
+            FieldError: if the button is not pressed for some of the actions, and not for all.
         """
         key = ("inputs", "pressed_for")
         for name in self.pressed_for:
@@ -155,7 +155,7 @@ class TaskAdaptability(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown
             require(("beta",), min(self.beta) >= 0.1, "two numbers from 0.1 to 1000", self.beta)
             require(("beta",), max(self.beta) <= 1000, "two numbers from 0.1 to 1000", self.beta)
         elif self.points is not None:
-            raise TaskError(("points",), "needs a beta distribution")
+            raise FieldError(("points",), "needs a beta distribution")
         points = self.points
         if points is not None:
             wanted = f"from 1 to {MOST_ADAPTABILITIES}"
@@ -166,7 +166,7 @@ class TaskAdaptability(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown
             require_distribution(("prior",), self.prior, len(self.values or PAPER_ADAPTABILITY))
         changes = [name for name in ("drift", "fatigue", "switching") if getattr(self, name)]
         if len(changes) > 1:
-            raise TaskError((changes[1],), f"is given beside {changes[0]}, expected one of them")
+            raise FieldError((changes[1],), f"is given beside {changes[0]}, expected one of them")
         for name in ("drift", "fatigue", "switching"):
             rate: float | None = getattr(self, name)
             require_chance((name,), 0.0 if rate is None else rate, most_included=True)
@@ -192,7 +192,7 @@ class TaskAdaptability(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown
         """For a task of ``goals`` goals.
 
         Raises:
-            TaskError: if there are values for another number of goals, or the change does not fit.
+            FieldError: if there are values for another number of goals, or the change does not fit.
         """
         if self.beta is not None:
             a, b = self.beta
@@ -220,5 +220,5 @@ class TaskAdaptability(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown
             try:
                 return alpha.tiring(self.fatigue)
             except ValueError as error:
-                raise TaskError(("adaptability", "fatigue"), f"cannot be used: {error}") from error
+                raise FieldError(("adaptability", "fatigue"), f"cannot be used: {error}") from error
         return alpha

@@ -11,8 +11,8 @@ from pathlib import Path
 from coadapt.errors import InputError
 from coadapt.formalism import Collaboration
 from coadapt.momdp import MOMDP
+from coadapt.tasks.reader import parse_task, read_task
 from coadapt.tasks.task import Task
-from coadapt.tasks.toml import parse_task, read_task
 from coadapt.worlds import hallway, table_carrying
 
 

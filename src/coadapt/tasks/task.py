@@ -7,18 +7,18 @@ import numpy as np
 
 from coadapt.formalism import SharedAutonomy
 from coadapt.human.history import LONGEST_MEMORY, count_windows
-from coadapt.tasks.goal import TaskGoal
-from coadapt.tasks.graph import TaskGraph
-from coadapt.tasks.map import TaskMap
-from coadapt.tasks.person import ActionInputs, AnyInputs, TaskAdaptability
-from coadapt.tasks.requirements import (
+from coadapt.requirements import (
     LARGEST_REWARD,
-    TaskError,
+    FieldError,
     require,
     require_chance,
     require_name,
     require_names,
 )
+from coadapt.tasks.goal import TaskGoal
+from coadapt.tasks.graph import TaskGraph
+from coadapt.tasks.map import TaskMap
+from coadapt.tasks.person import ActionInputs, AnyInputs, TaskAdaptability
 from coadapt.worlds import World
 
 FORMAT = 1
@@ -87,7 +87,7 @@ class Task(
         model: the parameters of the model.
 
     Raises:
-        TaskError: if a value cannot be used, or the parts do not fit together.
+        FieldError: if a value cannot be used, or the parts do not fit together.
     """
 
     format: int
@@ -103,7 +103,7 @@ class Task(
 
     def __post_init__(self) -> None:
         if self.format > FORMAT:
-            raise TaskError(
+            raise FieldError(
                 ("format",), f"is {self.format}, newer than this coadapt reads; expected {FORMAT}"
             )
         require(("format",), self.format == FORMAT, f"{FORMAT}", self.format)
@@ -115,7 +115,7 @@ class Task(
         require_names(("goals",), [goal.name for goal in self.goals], MOST_GOALS)
         if (self.map is None) == (self.graph is None):
             found = "neither a map nor a graph" if self.map is None else "both a map and a graph"
-            raise TaskError((), f"has {found}, expected one of them")
+            raise FieldError((), f"has {found}, expected one of them")
         _ = self.mode_prior
         size = len(msgspec.json.encode(self))
         few = f"so small that it takes at most {LARGEST_TASK:,} bytes"
@@ -129,7 +129,7 @@ class Task(
             return None
         for i, goal in enumerate(self.goals):
             if goal.prior is None:
-                raise TaskError(("goals", i, "prior"), "is missing, expected one for every goal")
+                raise FieldError(("goals", i, "prior"), "is missing, expected one for every goal")
         total = sum(given)
         key = ("goals", len(self.goals) - 1, "prior")
         require(key, abs(total - 1) <= 1e-9, "such that all sum to 1", f"{given[-1]:g}")
@@ -139,22 +139,22 @@ class Task(
         """The place with its goals.
 
         Raises:
-            TaskError: if drawing, states and goals do not fit together.
+            FieldError: if drawing, states and goals do not fit together.
         """
         place = self.graph if self.map is None else self.map
         assert place is not None
         try:
             return place.build(self.name, self.goals)
-        except TaskError:
+        except FieldError:
             raise
         except ValueError as error:
-            raise TaskError(("graph" if self.map is None else "map",), f"has {error}") from error
+            raise FieldError(("graph" if self.map is None else "map",), f"has {error}") from error
 
     def build(self) -> SharedAutonomy:
         """Place and person, the same for all robots.
 
         Raises:
-            TaskError: if the parts do not fit together, or the problem would be too large.
+            FieldError: if the parts do not fit together, or the problem would be too large.
         """
         world = self.world()
         alpha = self.adaptability.build(len(self.goals))
@@ -185,5 +185,5 @@ class Task(
         try:
             _ = model.modal_policies
         except ValueError as error:
-            raise TaskError(("model", "step_cost"), f"cannot be used: {error}") from error
+            raise FieldError(("model", "step_cost"), f"cannot be used: {error}") from error
         return model

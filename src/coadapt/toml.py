@@ -1,17 +1,21 @@
-"""Reading a task from TOML. Whatever is wrong with it has one message with the line it is in."""
+"""Reading values from TOML. Whatever is wrong has one message with the line it is in."""
 
 from __future__ import annotations
 
 import os
 import re
 import tomllib
+from collections.abc import Generator
+from contextlib import contextmanager
 from pathlib import Path
+from typing import TypeVar
 
 import msgspec
 
 from coadapt.errors import FileError
-from coadapt.tasks.requirements import Key, TaskError, dotted
-from coadapt.tasks.task import Task
+from coadapt.requirements import FieldError, Key, dotted
+
+Kind = TypeVar("Kind")
 
 LARGEST_FILE = 1_000_000
 """Bytes."""
@@ -24,8 +28,13 @@ _UNKNOWN = re.compile(r"unknown field `(.*)`")
 _AT = re.compile(r"(?P<problem>.*) \(at line (?P<line>\d+), column \d+\)")
 
 
-def read_task(path: str | os.PathLike[str]) -> Task:
-    """The task in a TOML file, found usable: its model can be built.
+def read_toml(path: str | os.PathLike[str], kind: type[Kind], what: str) -> tuple[Kind, Places]:
+    """The value of type ``kind`` in a TOML file, and where its parts stand.
+
+    Args:
+        path: the file.
+        kind: a msgspec type.
+        what: what the file should hold, for messages: "a task".
 
     Raises:
         FileError: if it cannot be read or used; names the line where there is one.
@@ -35,18 +44,20 @@ def read_task(path: str | os.PathLike[str]) -> Task:
             raw = stream.read(LARGEST_FILE + 1)
     except OSError as error:
         raise FileError(
-            path, None, f"found no readable file ({error.strerror}), expected a task"
+            path, None, f"found no readable file ({error.strerror}), expected {what}"
         ) from error
     if len(raw) > LARGEST_FILE:
-        raise FileError(path, None, f"found more than {LARGEST_FILE:,} bytes, expected a task")
-    return parse_task(raw, path)
+        raise FileError(path, None, f"found more than {LARGEST_FILE:,} bytes, expected {what}")
+    return parse_toml(raw, path, kind, what)
 
 
-def parse_task(raw: bytes, path: str | os.PathLike[str]) -> Task:
-    """The task in the TOML text ``raw``; ``path`` is for messages.
+def parse_toml(
+    raw: bytes, path: str | os.PathLike[str], kind: type[Kind], what: str
+) -> tuple[Kind, Places]:
+    """The value in the TOML text ``raw``, else as `read_toml`; ``path`` is for messages.
 
     Raises:
-        FileError: as `read_task`.
+        FileError: as `read_toml`.
     """
     try:
         text = raw.decode().replace("\r\n", "\n")
@@ -59,16 +70,40 @@ def parse_task(raw: bytes, path: str | os.PathLike[str]) -> Task:
         found = _AT.fullmatch(str(error))
         problem = str(error) if found is None else found["problem"]
         line = None if found is None else int(found["line"])
-        raise FileError(path, line, f"found no TOML ({problem}), expected a task") from error
+        raise FileError(path, line, f"found no TOML ({problem}), expected {what}") from error
+    places = Places(path, text)
     try:
-        task = msgspec.convert(values, Task)
-        _ = task.build()
-    except TaskError as error:
-        raise FileError(path, _line(text, error.key), str(error)) from error
+        return msgspec.convert(values, kind), places
     except (msgspec.ValidationError, RecursionError) as error:
         key, problem = _explained(error)
-        raise FileError(path, _line(text, key), problem) from error
-    return task
+        raise FileError(path, places.line(key), problem) from error
+
+
+class Places:
+    """Where the parts of a TOML file stand.
+
+    Args:
+        path: the file, for messages.
+        text: its contents.
+    """
+
+    def __init__(self, path: str | os.PathLike[str], text: str) -> None:
+        self._path = path
+        self._lines = _lines_of_keys(text)
+
+    def line(self, key: Key) -> int | None:
+        """The line where ``key`` is given, or the table around it; None for the file as a whole."""
+        while key and key not in self._lines:
+            key = key[:-1]
+        return self._lines.get(key)
+
+    @contextmanager
+    def named(self) -> Generator[None]:
+        """A `FieldError` in this block becomes a `FileError` that names the line."""
+        try:
+            yield
+        except FieldError as error:
+            raise FileError(self._path, self.line(error.key), str(error)) from error
 
 
 def _explained(error: Exception) -> tuple[Key, str]:
@@ -78,22 +113,14 @@ def _explained(error: Exception) -> tuple[Key, str]:
     parts = _PART.findall(place)
     key: Key = tuple(name or int(number) for name, number in parts)
     cause = error.__cause__
-    if isinstance(cause, TaskError):
-        inside = TaskError((*key, *cause.key), cause.problem)
+    if isinstance(cause, FieldError):
+        inside = FieldError((*key, *cause.key), cause.problem)
         return inside.key, str(inside)
     problem = str(error) if found is None else found["problem"]
     where = f"{dotted(key)}: " if key else ""
     unknown = _UNKNOWN.search(problem)
     at = key if unknown is None else (*key, unknown[1])
     return at, f"{where}{problem[:1].lower()}{problem[1:]}"
-
-
-def _line(text: str, key: Key) -> int | None:
-    """The line where ``key`` is given, or the table around it; None for the file as a whole."""
-    lines = _lines_of_keys(text)
-    while key and key not in lines:
-        key = key[:-1]
-    return lines.get(key)
 
 
 def _lines_of_keys(text: str) -> dict[Key, int]:
