@@ -208,14 +208,24 @@ def planned_robot(setup: Planned, progress: Progress | None = None) -> Robot:
     tell = _say_nothing if progress is None else progress
     tell("Building the model")
     model = setup.model()
+    problem = planning_problem(setup, model)
+    policy = None if problem is None else planned_policy(problem, setup.gap, tell)
+    return robot_with(setup, model, policy)
+
+
+def planning_problem(setup: Planned, model: SharedAutonomy) -> MOMDP | None:
+    """What the robot of ``setup`` plans for in its ``model``; None if it does not plan."""
     if setup.robot == "no_adaptation":
+        return None
+    return (model.one_way() if setup.robot == "one_way_adaptation" else model).to_momdp()
+
+
+def robot_with(setup: Planned, model: SharedAutonomy, policy: AlphaVectorPolicy | None) -> Robot:
+    """The robot of ``setup`` in its ``model``, with a solution of its `planning_problem`."""
+    if policy is None:
         return NoAdaptation(model)
-    one_way = setup.robot == "one_way_adaptation"
-    problem = (model.one_way() if one_way else model).to_momdp()
-    policy = planned_policy(problem, setup.gap, tell)
-    rule = MatchRule(setup.match_threshold)
-    robot = OneWayAdaptation if one_way else MutualAdaptation
-    return robot(model, policy, rule)
+    robot = OneWayAdaptation if setup.robot == "one_way_adaptation" else MutualAdaptation
+    return robot(model, policy, MatchRule(setup.match_threshold))
 
 
 def planned_policy(
