@@ -70,9 +70,9 @@ def _from_block(study: Study, before: Sequence[Allotted], open_ones: Sequence[st
     taken = Counter(a.condition for a in before if a.standing != "lost")
     block = 0
     while True:
-        order = np.random.default_rng([settings.seed, 1, block]).permutation(len(names))
-        for i in order.tolist():
-            name = names[i]
+        order = np.arange(len(names))
+        np.random.default_rng([settings.seed, 1, block]).shuffle(order)
+        for name in (names[int(i)] for i in order):
             if taken[name] > 0:
                 taken[name] -= 1
             elif name in open_ones:

@@ -1,8 +1,8 @@
 """What page and server say to each other while a participant steers; JSON over a websocket.
 
-The page says `Input` whenever the input changes, and the server answers `Stored` once that is safe on
-disk. The server says `Step` when a decision is safe on disk, and the page draws it. No message tells
-what the robot believes.
+The page says `Input` whenever the input changes, and the server answers `Stored` once that is safe
+on disk. The server says `Step` when a decision is safe on disk, and the page draws it. No message
+tells what the robot believes.
 """
 
 from __future__ import annotations
