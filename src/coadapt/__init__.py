@@ -25,7 +25,15 @@ if TYPE_CHECKING:
     )
     from coadapt.momdp.files import read_policy, read_pomdp, write_policy, write_pomdpx
     from coadapt.momdp.sarsop import SARSOP, Solution, Status
-    from coadapt.simulation import Episode, SimulatedPartner, Trial, evaluate, simulate
+    from coadapt.simulation import (
+        Batch,
+        Episode,
+        SimulatedPartner,
+        Trial,
+        evaluate,
+        simulate,
+        simulate_batch,
+    )
 
 __version__ = "0.1.0"
 
@@ -34,6 +42,7 @@ __all__ = [
     "SARSOP",
     "Adaptability",
     "AlphaVectorPolicy",
+    "Batch",
     "Collaboration",
     "Episode",
     "Inputs",
@@ -52,6 +61,7 @@ __all__ = [
     "read_pomdp",
     "robots",
     "simulate",
+    "simulate_batch",
     "worlds",
     "write_policy",
     "write_pomdpx",
@@ -63,6 +73,7 @@ _HOME = {
     "MOMDP": "coadapt.momdp",
     "Adaptability": "coadapt.human",
     "AlphaVectorPolicy": "coadapt.momdp",
+    "Batch": "coadapt.simulation",
     "Collaboration": "coadapt.formalism",
     "Episode": "coadapt.simulation",
     "Inputs": "coadapt.human",
@@ -81,6 +92,7 @@ _HOME = {
     "read_policy": "coadapt.momdp.files",
     "read_pomdp": "coadapt.momdp.files",
     "simulate": "coadapt.simulation",
+    "simulate_batch": "coadapt.simulation",
     "write_policy": "coadapt.momdp.files",
     "write_pomdpx": "coadapt.momdp.files",
 }

@@ -10,11 +10,10 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import coadapt as ca
-from coadapt import Collaboration, SimulatedPartner, evaluate, simulate
+from coadapt import Collaboration, SimulatedPartner, evaluate, simulate, simulate_batch
 from coadapt.human import Adaptability
 from coadapt.human.history import NO_STATE
 from coadapt.robots import Collaborator
-from coadapt.simulation import Trial
 from tests.formalism.joint_recall import JointRecall, Step
 from tests.formalism.joint_strategies import collaborations
 from tests.robots.test_collaborator import some_policy
@@ -173,16 +172,11 @@ def after_tasks(
 
     The person begins each task in their own mode, the robot with the belief so far.
     """
-    model, partner = robot.model, SimulatedPartner(alpha, mode=LEFT)
-    belief, trial = model.prior, Trial(robot)
-    for _ in range(tasks):
-        trial, mode = Trial(robot, belief), LEFT
-        while not trial.done:
-            human_action = partner.act(model, trial.state, mode, rng)
-            decision = trial.step(human_action, mode)
-            mode = partner.next_mode(model, decision.window, mode, decision.action, rng)
-            belief = np.outer(decision.adaptability_belief, model.prior.sum(axis=0))
-    return trial.episode().goal == RIGHT, float(belief.sum(axis=1) @ model.alpha.values)
+    partner = SimulatedPartner(alpha, mode=LEFT)
+    batch = simulate_batch(robot, partner, 1, rng, trials=tasks, keep_mode=False, beliefs=True)
+    assert batch.belief is not None
+    last = batch.belief[0, -1].sum(axis=1)
+    return bool(batch.goal[0, -1] == RIGHT), float(last @ robot.model.alpha.values)
 
 
 def test_estimates_separate_those_who_adapt_from_those_who_do_not(table: Collaborator) -> None:

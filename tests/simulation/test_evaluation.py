@@ -151,7 +151,8 @@ def test_simulation_agrees_within_four_standard_errors(
     }
     for name, values in measured.items():
         error = np.std(values, ddof=1) / np.sqrt(n)
-        assert abs(np.mean(values) - getattr(exact, name)) <= 4 * error + 1e-4, name
+        # What happens once in n episodes may have happened in none.
+        assert abs(np.mean(values) - getattr(exact, name)) <= 4 * error + 1 / n, name
     for goal, chance in enumerate(exact.goal_probability):
         share = np.mean([e.goal == goal for e in episodes])
         assert abs(share - chance) <= 4 * np.sqrt(chance * max(0.0, 1 - chance) / n) + 1e-4

@@ -11,7 +11,8 @@ from hypothesis import strategies as st
 
 from coadapt import SharedAutonomy, SimulatedPartner
 from coadapt.human import mode_transition
-from coadapt.simulation.partner import draw
+from coadapt.simulation.draw import draw
+from coadapt.simulation.partners import Person, acting
 from tests.formalism.strategies import models
 from tests.momdp.strategies import random_rows
 from tests.robots.worlds import DOWN, HIGH, LOW, MODEL, UP, B, C
@@ -72,14 +73,18 @@ def test_inputs_and_modes_have_the_distributions_of_the_model(
     state = int(model.windows.state[window])
     mode = int(rng.integers(modes))
     assert model.mode_prior is not None
-    first = [partner.first_mode(model, rng) for _ in range(DRAWS)]
+    person = acting(partner, model)
+    start = model.world.start
+    first = [person.begin(model, start, None, rng).mode for _ in range(DRAWS)]
     expect_frequencies(first, model.mode_prior)
-    inputs = [partner.act(model, state, mode, rng) for _ in range(DRAWS)]
+    now = Person(mode, window=window)
+    inputs = [person.act(model, state, now, rng) for _ in range(DRAWS)]
     expect_frequencies(inputs, model.modal_policies[mode, state])
     # Eq. 3-4, tested by itself in tests/human/test_adaptation.py.
     moves = mode_transition(towards, model.perceived[window, action])[mode]
-    found = [partner.next_mode(model, window, mode, action, rng) for _ in range(DRAWS)]
-    expect_frequencies(found, moves)
+    after = [person.react(model, window, now, action, 0, rng) for _ in range(DRAWS)]
+    expect_frequencies([p.mode for p in after], moves)
+    assert {p.window for p in after} == {model.windows.next[window, action, 0]}
 
 
 def test_the_first_mode_may_be_given() -> None:
@@ -87,18 +92,23 @@ def test_the_first_mode_may_be_given() -> None:
     for mode in (LOW, HIGH):
         partner = SimulatedPartner(0.5, mode)
         np.testing.assert_array_equal(partner.mode_distribution(MODEL), np.eye(2)[mode])
-        assert {partner.first_mode(MODEL, rng) for _ in range(20)} == {mode}
+        person = acting(partner, MODEL)
+        assert {person.begin(MODEL, B, None, rng).mode for _ in range(20)} == {mode}
     np.testing.assert_allclose(SimulatedPartner(0.5).mode_distribution(MODEL), [0.5, 0.5])
 
 
+def modes_after(alpha: float, state: int, action: int, draws: int) -> list[int]:
+    """The modes of somebody who was in mode low, after ``action``."""
+    person, rng = acting(SimulatedPartner(alpha), MODEL), np.random.default_rng(0)
+    now = Person(LOW, window=state)  # with a memory of one step windows are states
+    return [person.react(MODEL, state, now, action, 0, rng).mode for _ in range(draws)]
+
+
 def test_the_stubborn_stay_and_the_adaptable_follow() -> None:
-    rng = np.random.default_rng(0)
-    assert {SimulatedPartner(0.0).next_mode(MODEL, B, LOW, UP, rng) for _ in range(50)} == {LOW}
+    assert set(modes_after(0.0, B, UP, 50)) == {LOW}
     # Up in c is seen as high with 6/7, whatever the mode was.
-    found = [SimulatedPartner(1.0).next_mode(MODEL, C, LOW, UP, rng) for _ in range(DRAWS)]
-    expect_frequencies(found, [1 / 7, 6 / 7])
-    found = [SimulatedPartner(1.0).next_mode(MODEL, C, LOW, DOWN, rng) for _ in range(DRAWS)]
-    expect_frequencies(found, [9 / 13, 4 / 13])
+    expect_frequencies(modes_after(1.0, C, UP, DRAWS), [1 / 7, 6 / 7])
+    expect_frequencies(modes_after(1.0, C, DOWN, DRAWS), [9 / 13, 4 / 13])
 
 
 @pytest.mark.parametrize("alpha", [-0.1, 1.1, float("nan"), (), (0.5, 1.1)])
@@ -109,10 +119,10 @@ def test_bad_adaptability_is_refused(alpha: Any) -> None:
 
 def test_adaptability_for_another_number_of_goals() -> None:
     with pytest.raises(ValueError, match="given for 3 goals, expected 2"):
-        SimulatedPartner((0.1, 0.2, 0.3)).first_mode(MODEL, np.random.default_rng(0))
+        acting(SimulatedPartner((0.1, 0.2, 0.3)), MODEL)
 
 
 @pytest.mark.parametrize("mode", [-1, 2])
 def test_unknown_modes_are_refused(mode: int) -> None:
     with pytest.raises(ValueError, match=f"mode {mode} is not one of 0 to 1"):
-        SimulatedPartner(0.5, mode).first_mode(MODEL, np.random.default_rng(0))
+        acting(SimulatedPartner(0.5, mode), MODEL)

@@ -7,8 +7,10 @@ from dataclasses import dataclass
 import numpy as np
 import pytest
 
-from coadapt import Episode, SharedAutonomy, SimulatedPartner, simulate
+from coadapt import Episode, SimulatedPartner, simulate
+from coadapt.formalism import Model
 from coadapt.robots import NEVER_MATCH, MutualAdaptation, NoAdaptation
+from coadapt.simulation import Person
 from tests.robots.worlds import DOWN, HIGH, LOW, MODEL, UP, B, always, towards_the_likelier
 
 ROBOT = MutualAdaptation(MODEL, towards_the_likelier(), NEVER_MATCH)
@@ -69,18 +71,24 @@ class Script:
 
     inputs: tuple[int | None, ...]
 
-    def first_mode(self, model: SharedAutonomy, rng: np.random.Generator) -> int:
-        return LOW
+    def begin(
+        self, model: Model, state: int, before: Person | None, rng: np.random.Generator
+    ) -> Person:
+        return Person(LOW)
 
-    def act(
-        self, model: SharedAutonomy, state: int, mode: int, rng: np.random.Generator
-    ) -> int | None:
-        return self.inputs[mode]
+    def act(self, model: Model, state: int, person: Person, rng: np.random.Generator) -> int | None:
+        return self.inputs[person.mode]
 
-    def next_mode(
-        self, model: SharedAutonomy, window: int, mode: int, action: int, rng: np.random.Generator
-    ) -> int:
-        return (mode + 1) % len(self.inputs)
+    def react(
+        self,
+        model: Model,
+        window: int,
+        person: Person,
+        action: int,
+        outcome: int,
+        rng: np.random.Generator,
+    ) -> Person:
+        return Person((person.mode + 1) % len(self.inputs))
 
 
 def test_any_partner_will_do() -> None:

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -84,13 +85,14 @@ class Trials:
     Args:
         robot: decides in all of them.
         n: number of trials.
-        belief: ``[A, M]`` belief to begin with, for example carried over from the trial before;
-            the robot's prior if None.
+        belief: ``[A, M]`` belief to begin with, for example carried over from the trial before,
+            or ``[n, A, M]`` one for each trial; the robot's prior if None.
         starts: ``[n]`` the first state of each; the world's ``start`` if None.
 
     Attributes:
         robot: the robot.
         window: ``[n]`` what the person remembers in each, indices in ``robot.model.windows``.
+        forecast: ``[n, A, M]`` the robot's belief in each before the next input.
     """
 
     def __init__(
@@ -100,12 +102,13 @@ class Trials:
         belief: FloatArray | None = None,
         starts: IntArray | None = None,
     ) -> None:
-        robot.reset(belief)
+        each = belief is not None and belief.ndim == 3
+        robot.reset(None if each else belief)
         self.robot = robot
         model = robot.model
         begin = np.full(n, model.world.start) if starts is None else starts
         self.window = model.windows.beginning[begin]
-        self._belief = np.repeat(robot.belief[None], n, axis=0)
+        self.forecast = np.array(belief) if each else np.repeat(robot.belief[None], n, axis=0)
         self._decisions: list[list[Decision]] = [[] for _ in range(n)]
         self._modes: list[list[int]] = [[] for _ in range(n)]
 
@@ -134,26 +137,39 @@ class Trials:
             modes: ``[K]`` the partner's mode behind it, `UNKNOWN_MODE` where it is not known.
             outcome: which outcomes the actions have; not needed where they have but one.
         """
-        decisions = self.robot.decide_many(self.window[trials], human_inputs, self._belief[trials])
+        decisions = self.decide(trials, human_inputs, modes)
+        model = self.robot.model
+        self.move(trials, decisions, (outcome or partial(only_outcome, model))(decisions))
+        return decisions
+
+    def decide(self, trials: IntArray, human_inputs: IntArray, modes: IntArray) -> Decisions:
+        """The first half of `step`: the input and the decision."""
+        decisions = self.robot.decide_many(self.window[trials], human_inputs, self.forecast[trials])
         for k, i in enumerate(map(int, trials)):
             self._decisions[i].append(decisions[k])
             self._modes[i].append(int(modes[k]))
-        self._belief[trials] = decisions.forecast
-        model = self.robot.model
-        which = only_outcome(model, decisions) if outcome is None else outcome(decisions)
-        self.window[trials] = model.windows.next[decisions.window, decisions.action, which]
+        self.forecast[trials] = decisions.forecast
         return decisions
 
-    def episode(self, i: int) -> Episode:
-        """The record of trial ``i`` up to here."""
+    def move(self, trials: IntArray, decisions: Decisions, which: IntArray) -> None:
+        """The second half of `step`: the world moves by outcomes ``which`` ``[K]``."""
+        following = self.robot.model.windows.next
+        self.window[trials] = following[decisions.window, decisions.action, which]
+
+    def episode(self, i: int, seen_apart: float | None = None) -> Episode:
+        """The record of trial ``i`` up to here.
+
+        Args:
+            i: which.
+            seen_apart: `Episode.disagreement`; if None it is that of somebody who remembers what
+                the robot's model says.
+        """
         model = self.robot.model
         state = int(model.windows.state[self.window[i]])
         goal = model.world.goal_at(state)
         modes = self._modes[i]
-        seen = sum(
-            1.0 - float(model.perceived[d.window, d.action, mode])
-            for d, mode in zip(self._decisions[i], modes, strict=True)
-        )
+        if seen_apart is None:
+            seen_apart = self._seen_apart(i)
         return Episode(
             robot=self.robot.name,
             world=model.world.name,
@@ -162,7 +178,16 @@ class Trials:
             final_state=state,
             goal=goal,
             reward=0.0 if goal is None else model.world.goals[goal].reward,
-            disagreement=float("nan") if UNKNOWN_MODE in modes else seen,
+            disagreement=seen_apart,
+        )
+
+    def _seen_apart(self, i: int) -> float:
+        modes, perceived = self._modes[i], self.robot.model.perceived
+        if UNKNOWN_MODE in modes:
+            return float("nan")
+        return sum(
+            1.0 - float(perceived[d.window, d.action, mode])
+            for d, mode in zip(self._decisions[i], modes, strict=True)
         )
 
 

@@ -17,7 +17,7 @@ import numpy as np
 from coadapt.arrays import FloatArray, IntArray
 from coadapt.human import filter as human_filter
 from coadapt.robots import NO_INPUT, Decider, Decisions
-from coadapt.simulation.partner import SimulatedPartner
+from coadapt.simulation.partners import SimulatedPartner
 
 SAME_BELIEF = 10
 """Beliefs that agree to this many decimals are merged."""
