@@ -7,6 +7,7 @@ Sums keep the order they are written in (no ``fastmath``), so results agree on e
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import cache
 from hashlib import sha256
 from pathlib import Path
 from typing import Any, TypeVar, cast
@@ -18,20 +19,22 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 
 ROOT = Path(__file__).parent
 
-FOLDERS = ("momdp/sarsop",)
-"""Where kernels are."""
+FOLDERS: dict[str, tuple[str, ...]] = {
+    "momdp/sarsop": (),
+    "robots/kernels": (),
+    "simulation/kernels": ("robots/kernels",),
+}
+"""Where kernels are, and in which other folders the kernels are that they call."""
 
 
-def _digest_of_kernels() -> str:
+@cache
+def stamp(folder: str) -> str:
+    """Stands for the source of all kernels that those of ``folder`` may call."""
     digest = sha256()
-    for folder in FOLDERS:
-        for source in sorted((ROOT / folder).glob("*.py")):
+    for part in (folder, *FOLDERS[folder]):
+        for source in sorted((ROOT / part).glob("*.py")):
             digest.update(source.read_bytes())
     return digest.hexdigest()
-
-
-KERNELS = _digest_of_kernels()
-"""Stands for the source of all kernels together."""
 
 
 def kernel(function: Function) -> Function:
@@ -44,20 +47,31 @@ def inner(function: Function) -> Function:
     return _compiled(function, from_python=False)
 
 
-def _compiled(function: Function, *, from_python: bool) -> Function:
+def bare(function: Function) -> Function:
+    """As `inner`, for a function that makes no arrays, nor calls one that does.
+
+    Nobody counts references to arrays in it, which takes most of the time of a small function.
+    """
+    return _compiled(function, from_python=False, makes_arrays=False)
+
+
+def _compiled(function: Function, *, from_python: bool, makes_arrays: bool = True) -> Function:
     compiler: Any = numba.njit
-    compiled: Any = compiler(cache=True, no_cpython_wrapper=not from_python)(function)
+    compiled: Any = compiler(cache=True, no_cpython_wrapper=not from_python, _nrt=makes_arrays)(
+        function
+    )
     # numba asks only whether the kernel's own file changed, but the compiled code holds the kernels
-    # it calls as well. So the stamp that it compares is made one of all kernels.
-    cache = getattr(getattr(compiled, "_cache", None), "_cache_file", None)
-    if cache is not None:
-        cache._source_stamp = KERNELS
+    # it calls as well. So the stamp that it compares is made one of them all.
+    cache_file = getattr(getattr(compiled, "_cache", None), "_cache_file", None)
+    if cache_file is not None:
+        folder = Path(function.__code__.co_filename).parent.relative_to(ROOT)
+        cache_file._source_stamp = stamp(folder.as_posix())
     return cast("Function", compiled)
 
 
 def is_compiled(function: Callable[..., Any]) -> bool:
     """Whether compiled code for ``function`` lies on disk, or none is needed."""
-    cache = getattr(getattr(function, "_cache", None), "_cache_file", None)
-    if cache is None:
+    cache_file = getattr(getattr(function, "_cache", None), "_cache_file", None)
+    if cache_file is None:
         return not hasattr(function, "overloads")
-    return bool(cache._load_index())
+    return bool(cache_file._load_index())

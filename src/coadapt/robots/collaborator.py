@@ -8,10 +8,12 @@ import numpy as np
 
 from coadapt.arrays import FloatArray, IntArray
 from coadapt.formalism.collaboration import Collaboration
-from coadapt.human.history import NO_ACTION, NO_WINDOW
+from coadapt.human.history import NO_WINDOW
 from coadapt.momdp.model import MOMDP
 from coadapt.momdp.policy import AlphaVectorPolicy, action_values
+from coadapt.robots.decide import decide_by, plan_by
 from coadapt.robots.robot import NO_INPUT, Decision, Decisions, one_situation
+from coadapt.robots.tables import FORESEES, RobotTables, robot_tables
 
 
 class Collaborator:
@@ -37,6 +39,11 @@ class Collaborator:
         """What the policy solves: needed for explanations, not for decisions."""
         return self.model.to_momdp()
 
+    @cached_property
+    def tables(self) -> RobotTables:
+        """The robot as arrays."""
+        return robot_tables(self.model, FORESEES, policy=self.policy)
+
     @property
     def planning_model(self) -> Collaboration:
         """The model."""
@@ -61,7 +68,7 @@ class Collaborator:
                 which the last actions led.
         """
         windows, _, beliefs = one_situation(self.model, state, None, self._forecast, self._expected)
-        return int(self.policy.actions_at(windows, self.model.modes.hidden(beliefs))[0])
+        return int(plan_by(self.tables, windows, beliefs)[0])
 
     def act(self, state: int, human_input: int | None) -> int:
         """What `plan` gives; then takes account of the human action of this step.
@@ -90,34 +97,21 @@ class Collaborator:
     ) -> Decisions:
         """Decide in many situations at once, see `Robot.decide_many`.
 
-        The lines are the events of one time step in their order: the robot acts, and sees what the
-        human did at the same time.
+        The robot acts, and sees what the human did at the same time. The events of one time step
+        are in `coadapt.robots.kernels.decide`.
 
         Raises:
             ValueError: if a human action is missing or shows no mode.
         """
-        model = self.model
-        action = self.policy.actions_at(windows, model.modes.hidden(beliefs))
         if np.any(human_inputs == NO_INPUT):
             raise ValueError("a collaboration needs an action of the human in every step")
-        impossible = model.after(windows, action, human_inputs)[:, 0] == NO_WINDOW
+        decisions = decide_by(self.tables, windows, human_inputs, beliefs)
+        after = self.model.after(windows, decisions.action, human_inputs)
+        impossible = after[:, 0] == NO_WINDOW
         if impossible.any():
-            name = model.input_names[int(human_inputs[impossible.argmax()])]
+            name = self.model.input_names[int(human_inputs[impossible.argmax()])]
             raise ValueError(f"the human action {name} belongs to no mode there")
-        belief = model.correct(beliefs, windows, human_inputs)
-        perceived = model.perceived[windows, action]
-        return Decisions(
-            window=windows,
-            state=model.windows.state[windows],
-            human_input=human_inputs,
-            asked=np.full(len(windows), NO_ACTION),
-            action=action,
-            planned=action,
-            agreement=(belief.sum(axis=-2) * perceived).sum(axis=-1),
-            matched=np.zeros(len(windows), dtype=np.bool_),
-            belief=belief,
-            forecast=model.predict(belief, windows, action, human_inputs),
-        )
+        return decisions
 
     def action_values(self, decision: Decision) -> FloatArray:
         """``[A_r]`` value of each action under the belief after the human action was seen."""

@@ -8,7 +8,9 @@ import numpy as np
 
 from coadapt.arrays import FloatArray, IntArray
 from coadapt.formalism import SharedAutonomy
+from coadapt.robots.decide import decide_by
 from coadapt.robots.robot import Decision, Decisions, one_situation
+from coadapt.robots.tables import FIXED, RobotTables, robot_tables
 
 
 class NoAdaptation:
@@ -35,6 +37,11 @@ class NoAdaptation:
             goal = world.goals[world.optimal_goal].name
             raise ValueError(f"the optimal goal, {goal}, cannot be reached from the start")
         self.reset()
+
+    @cached_property
+    def tables(self) -> RobotTables:
+        """The robot as arrays."""
+        return robot_tables(self.model, FIXED, going=np.argmax(self._nearness, axis=1))
 
     @property
     def planning_model(self) -> SharedAutonomy:
@@ -70,22 +77,7 @@ class NoAdaptation:
         self, windows: IntArray, human_inputs: IntArray, beliefs: FloatArray
     ) -> Decisions:
         """Decide in many situations at once, see `Robot.decide_many`."""
-        states = self.model.windows.state[windows]
-        action = np.argmax(self._nearness[states], axis=-1)
-        perceived = self.model.perceived[windows, action]
-        agreement = (beliefs.sum(axis=-2) * perceived).sum(axis=-1)
-        return Decisions(
-            window=windows,
-            state=states,
-            human_input=human_inputs,
-            asked=self.model.interface.asked(human_inputs),
-            action=action,
-            planned=action,
-            agreement=agreement,
-            matched=np.zeros(len(windows), dtype=np.bool_),
-            belief=beliefs,
-            forecast=beliefs,
-        )
+        return decide_by(self.tables, windows, human_inputs, beliefs)
 
     def action_values(self, decision: Decision) -> FloatArray:
         """``[A_r]`` discounted reward of the optimal goal after each action."""

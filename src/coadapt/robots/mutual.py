@@ -10,8 +10,10 @@ from coadapt.arrays import FloatArray, IntArray
 from coadapt.formalism import SharedAutonomy
 from coadapt.momdp.model import MOMDP
 from coadapt.momdp.policy import AlphaVectorPolicy, action_values
+from coadapt.robots.decide import decide_by
 from coadapt.robots.match import MatchRule
-from coadapt.robots.robot import NO_INPUT, Decision, Decisions, one_situation
+from coadapt.robots.robot import Decision, Decisions, one_situation
+from coadapt.robots.tables import ANSWERS, RobotTables, robot_tables
 
 
 class MutualAdaptation:
@@ -40,6 +42,12 @@ class MutualAdaptation:
     def _problem(self) -> MOMDP:
         """What the policy solves: needed for explanations, not for decisions."""
         return self.model.to_momdp()
+
+    @cached_property
+    def tables(self) -> RobotTables:
+        """The robot as arrays."""
+        threshold = self.match_rule.threshold
+        return robot_tables(self.model, ANSWERS, policy=self.policy, threshold=threshold)
 
     @property
     def planning_model(self) -> SharedAutonomy:
@@ -78,31 +86,9 @@ class MutualAdaptation:
     ) -> Decisions:
         """Decide in many situations at once, see `Robot.decide_many`.
 
-        The lines are the events of one time step in their order.
+        The events of one time step are in `coadapt.robots.kernels.decide`.
         """
-        model = self.model
-        given = human_inputs != NO_INPUT
-        corrected = model.correct(beliefs, windows, human_inputs)
-        belief = np.where(given[:, None, None], corrected, beliefs)
-        planned = self.policy.actions_at(windows, belief.reshape(len(windows), model.prior.size))
-        perceived = model.perceived[windows, planned]
-        agreement = self.match_rule.agreement(belief.sum(axis=-2), perceived)
-        asked = model.interface.asked(human_inputs)
-        matched = self.match_rule.fires(agreement, asked)
-        action = np.where(matched, asked, planned)
-        forecast = model.predict(belief, windows, action)
-        return Decisions(
-            window=windows,
-            state=model.windows.state[windows],
-            human_input=human_inputs,
-            asked=asked,
-            action=action,
-            planned=planned,
-            agreement=agreement,
-            matched=matched,
-            belief=belief,
-            forecast=forecast,
-        )
+        return decide_by(self.tables, windows, human_inputs, beliefs)
 
     def action_values(self, decision: Decision) -> FloatArray:
         """``[A_r]`` value of each action by one step of look-ahead to the policy's value."""

@@ -8,6 +8,7 @@ from coadapt.momdp.policy import AlphaVectorPolicy
 from coadapt.robots.match import MatchRule
 from coadapt.robots.mutual import MutualAdaptation
 from coadapt.robots.robot import Decision, Decisions
+from coadapt.robots.tables import RobotTables
 
 
 class OneWayAdaptation:
@@ -32,6 +33,11 @@ class OneWayAdaptation:
     ) -> None:
         self.model = model
         self._robot = MutualAdaptation(model.one_way(), policy, match_rule)
+
+    @property
+    def tables(self) -> RobotTables:
+        """The robot as arrays."""
+        return self._robot.tables
 
     @property
     def planning_model(self) -> SharedAutonomy:

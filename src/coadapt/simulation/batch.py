@@ -4,17 +4,23 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from itertools import pairwise
+from typing import Protocol
 
 import numpy as np
 
 from coadapt.arrays import BoolArray, FloatArray, IntArray
 from coadapt.formalism import Model
 from coadapt.robots import Decider
+from coadapt.robots.tables import TabledRobot, as_floats
 from coadapt.simulation.draw import Streams
-from coadapt.simulation.partners import AnyPartner
+from coadapt.simulation.partners import AnyPartner, DescribedPartner
 from coadapt.simulation.schedule import MAX_STEPS, Schedule
 from coadapt.simulation.simulate import Course, courses, require_count
+from coadapt.simulation.world_tables import world_tables
 from coadapt.worlds.world import NO_GOAL
+
+AT_ONCE = 10_000
+"""People after whom an interruption is looked at."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -97,11 +103,89 @@ def simulate_batch(
     """
     schedule = Schedule(trials, carry_belief, keep_mode, max_steps)
     require_count(n)
-    found = courses(robot, partner, Streams.of(rng), range(n), schedule)
-    return batch_of(robot, found, trials, beliefs=beliefs)
+    streams = Streams.of(rng)
+    if isinstance(robot, TabledRobot) and isinstance(partner, DescribedPartner):
+        return _compiled(robot, partner, n, streams, schedule, beliefs)
+    return batch_of(robot, courses(robot, partner, streams, range(n), schedule), trials, beliefs)
 
 
-def batch_of(robot: Decider, found: list[Course], trials: int, *, beliefs: bool = False) -> Batch:
+class _Known(TabledRobot, Decider, Protocol):
+    """A robot that decides, and can be told as arrays."""
+
+
+def _compiled(
+    robot: _Known,
+    partner: DescribedPartner,
+    n: int,
+    streams: Streams,
+    schedule: Schedule,
+    beliefs: bool,
+) -> Batch:
+    # Imported now: whoever simulates nothing need not wait for the compiler.
+    from coadapt.simulation.kernels.run import Tallies, new_scratch, run_people  # noqa: PLC0415
+
+    model = robot.model
+    robot.reset()
+    prior = as_floats(robot.belief)
+    world, person = world_tables(model), partner.tables(model).checked(model)
+    shape = (n, schedule.trials)
+    goal, steps, overridden, first_mode, last_mode, first_kind, last_kind = np.zeros(
+        (7, *shape), dtype=np.int64
+    )
+    reward, discounted_return, disagreement = np.zeros((3, *shape))
+    out = Tallies(
+        goal=goal,
+        reward=reward,
+        discounted_return=discounted_return,
+        steps=steps,
+        disagreement=disagreement,
+        overridden=overridden,
+        first_mode=first_mode,
+        last_mode=last_mode,
+        switched=np.zeros(shape, dtype=np.bool_),
+        first_kind=first_kind,
+        last_kind=last_kind,
+        taken=np.zeros((model.world.states, *world.next.shape[1:]), dtype=np.int64),
+        belief=np.zeros((n if beliefs else 0, schedule.trials, *prior.shape)),
+    )
+    scratch = new_scratch(robot.tables.room, *prior.shape)
+    key = np.uint64(streams.key)
+    for first in range(0, n, AT_ONCE):
+        people = (first, min(first + AT_ONCE, n))
+        with np.errstate(over="ignore"):  # words wrap around, also where nothing is compiled
+            done = run_people(
+                world,
+                robot.tables,
+                person,
+                prior,
+                key,
+                people,
+                schedule.carry_belief,
+                schedule.keep_mode,
+                schedule.max_steps,
+                scratch,
+                out,
+            )
+        if not done:
+            raise ValueError("the person took an action that belongs to no mode, where modes show")
+    return Batch(
+        goal=out.goal,
+        reward=out.reward,
+        discounted_return=out.discounted_return,
+        steps=out.steps,
+        disagreement=out.disagreement,
+        overridden=out.overridden,
+        first_mode=out.first_mode,
+        last_mode=out.last_mode,
+        switched=out.switched,
+        first_kind=out.first_kind,
+        last_kind=out.last_kind,
+        taken=out.taken,
+        belief=out.belief if beliefs else None,
+    )
+
+
+def batch_of(robot: Decider, found: list[Course], trials: int, beliefs: bool) -> Batch:
     """What came of ``found``, the courses of ``trials`` trials of each person in a row."""
     model = robot.model
     shape = (len(found) // trials, trials)

@@ -1,0 +1,1 @@
+"""What robots do in every step, compiled."""
