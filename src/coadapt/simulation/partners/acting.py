@@ -27,13 +27,13 @@ class ActingPartner:
     """
 
     def __init__(self, tables: PartnerTables) -> None:
-        self.tables = tables
+        self._tables = tables
 
     def begin(
         self, model: Model, state: int, before: Person | None, rng: np.random.Generator
     ) -> Person:
         """See `Partner.begin`. Their kind lasts, what they remembered does not."""
-        tables = self.tables
+        tables = self._tables
         kind = draw(tables.first_kind, rng) if before is None else before.kind
         mode = NEW_MODE if before is None else before.mode
         mode = draw(tables.first_mode, rng) if mode == NEW_MODE else mode
@@ -41,7 +41,7 @@ class ActingPartner:
 
     def act(self, model: Model, state: int, person: Person, rng: np.random.Generator) -> int | None:
         """See `Partner.act`."""
-        tables = self.tables
+        tables = self._tables
         chances = tables.inputs[tables.uses[person.kind], state, person.mode]
         drawn = draw(chances, rng)
         return drawn if drawn < len(chances) - 1 else None
@@ -56,7 +56,7 @@ class ActingPartner:
         rng: np.random.Generator,
     ) -> Person:
         """See `Partner.react`. ``window`` is not looked at: they remember by themselves."""
-        tables, mode, own = self.tables, person.mode, person.window
+        tables, mode, own = self._tables, person.mode, person.window
         answered = draw_part(tables.rate[person.kind] * tables.perceived[own, action], rng)
         if answered != NOTHING:
             mode = draw(tables.answer[answered], rng)
@@ -68,7 +68,7 @@ class ActingPartner:
 
     def seen_apart(self, person: Person, action: int) -> float:
         """The probability that they see the robot in another mode than their own."""
-        return 1.0 - float(self.tables.perceived[person.window, action, person.mode])
+        return 1.0 - float(self._tables.perceived[person.window, action, person.mode])
 
 
 def acting(partner: AnyPartner, model: Model) -> Partner:

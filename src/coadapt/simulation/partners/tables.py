@@ -138,6 +138,7 @@ def remembering(tables: PartnerTables, model: Model) -> PartnerTables:
     if isinstance(model, Collaboration) and not model.hidden_modes:
         window, action = np.indices((len(windows), model.world.actions))
         kept = model.kept_modes(window, action)
+        kept[model.world.ends[windows.state]] = np.eye(len(model.world.goals))  # nothing follows
     return tables._replace(
         perceived=model.perceived, kept=kept, beginning=windows.beginning, next=windows.next
     )
