@@ -6,22 +6,7 @@ import pytest
 
 from coadapt.report.figures.conditions import spread
 from coadapt.report.html import fixed, inline_svg, percent, tiny
-from coadapt.report.performance import reward_interval
 from coadapt.report.tables import Table
-
-
-def test_interval_is_wilsons() -> None:
-    # Wilson's interval for 10 of 100 is 0.0552 to 0.1744 (R: binom::binom.confint, "wilson").
-    low, high = reward_interval(10, 100, worst=10.0, best=11.0)
-    assert low == pytest.approx(10.0552, abs=5e-5)
-    assert high == pytest.approx(10.1744, abs=5e-5)
-
-
-@pytest.mark.parametrize(("optimal", "end"), [(0, 10.0), (50, 11.0)])
-def test_interval_has_width_where_all_runs_end_alike(optimal: int, end: float) -> None:
-    low, high = reward_interval(optimal, 50, worst=10.0, best=11.0)
-    assert high - low > 0.05
-    assert end in (pytest.approx(low), pytest.approx(high))
 
 
 def test_numbers_are_written_for_people() -> None:

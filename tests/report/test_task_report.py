@@ -61,15 +61,15 @@ def test_flows_and_visits_are_those_of_the_episodes() -> None:
     world = found.model.world
     for shown in found.planned.by_alpha:
         # Every step leaves a state; what flows in and does not flow out ends there or began there.
-        assert shown.visits.sum() == pytest.approx(shown.steps)
-        assert sum(shown.flow.values()) == pytest.approx(shown.steps)
+        assert shown.visits.sum() == pytest.approx(shown.summary.steps.mean)
+        assert sum(shown.flow.values()) == pytest.approx(shown.summary.steps.mean)
         into = np.zeros(world.states)
         for (_, there), often in shown.flow.items():
             into[there] += often
         into[world.start] += 1
         ended = np.zeros(world.states)
         for g, goal in enumerate(world.goals):
-            ended[goal.states[0]] = shown.goals[g]
+            ended[goal.states[0]] = shown.summary.goals[g]
         np.testing.assert_allclose(into, shown.visits + ended, atol=1e-9)
 
 

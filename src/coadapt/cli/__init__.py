@@ -15,6 +15,7 @@ from coadapt.errors import InputError, printable
 
 COMMANDS = {
     "evaluate": "Evaluate a policy by simulation and exactly.",
+    "partners": "List the kinds of simulated people.",
     "play": "Steer the robot with the arrow keys, in this terminal.",
     "replay": "Run a recorded log of human inputs through a robot.",
     "reproduce": "Write the report of the published results, or of a task.",

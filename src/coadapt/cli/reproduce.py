@@ -121,12 +121,13 @@ def _report_task(
 def _summary(found: Reproduction) -> str:
     """The main numbers as a table of plain text."""
     policy, rule = found.robot("mutual_policy"), found.robot("mutual_rule")
+    drawn = [summary.reward for summary in policy.simulated]
     columns = [
         ("alpha", [f"{alpha:g}" for alpha in policy.alpha]),
         ("exact", [f"{e.reward:.3f}" for e in policy.exact]),
         (
             "simulated",
-            [f"{s.reward:.3f} +- {s.standard_error:.3f}" for s in policy.simulated],
+            [f"{r.mean:.3f} +- {r.standard_error:.3f}" for r in drawn],
         ),
         ("with match rule", [f"{e.reward:.3f}" for e in rule.exact]),
         *(

@@ -33,6 +33,20 @@ if TYPE_CHECKING:
     help="Adaptability of the simulated person, one number or one for each goal.  [0.5]",
 )
 @click.option(
+    "--partner-kind",
+    "kind",
+    default="follower",
+    metavar="KIND",
+    help="What kind of person they are, see `coadapt partners`.  [follower]",
+)
+@click.option(
+    "--partner-number",
+    "kind_numbers",
+    multiple=True,
+    metavar="NAME=VALUE",
+    help="One of the numbers that describe the kind.",
+)
+@click.option(
     "--mode", metavar="GOAL", help="The goal they want at first.  [drawn from the task's prior]"
 )
 @click.option("--seed", type=click.IntRange(0), default=0, show_default=True, metavar="N")
@@ -58,6 +72,8 @@ def command(
     task: str | None,
     episodes: int,
     partner: tuple[float, ...],
+    kind: str,
+    kind_numbers: tuple[str, ...],
     mode: str | None,
     seed: int,
     max_steps: int,
@@ -68,15 +84,16 @@ def command(
     """Run a robot with simulated people.
 
     TASK is the name of a task, see `coadapt tasks`, or a .toml file; table clearing if left out.
-    Each episode is one trial with a person who follows the adaptation model. The same seed gives
-    the same episodes.
+    Each episode is one trial with a person of the given kind, who follows the adaptation model if
+    no other is named. The same seed gives the same episodes.
     """
     import numpy as np
 
-    from coadapt.cli.simulate_output import outcome_of
+    from coadapt.cli.partners import partner_of
+    from coadapt.cli.simulate_output import summary_lines, summary_record
     from coadapt.robots import Collaborator
     from coadapt.robots.built_setup import BuiltSetup
-    from coadapt.simulation import SimulatedPartner, simulate
+    from coadapt.simulation import simulate, simulate_batch, summarize
 
     setup = _setup(task, given)
     model = setup.model()
@@ -86,7 +103,7 @@ def command(
         raise InputError(f"--partner must be one number or {goals}, not {len(partner)}")
     if not all(0 <= alpha <= 1 for alpha in partner):
         raise InputError(f"--partner must lie from 0 to 1, not {','.join(map(str, partner))}")
-    person = SimulatedPartner(partner[0] if len(partner) == 1 else partner, first)
+    person = partner_of(kind, kind_numbers, partner, first, model)
     if path is not None:
         if isinstance(setup, BuiltSetup):
             raise InputError(f"--log is not for {task}, in which the person moves the world")
@@ -94,33 +111,40 @@ def command(
     with progress_line(not as_json) as tell:
         robot = setup.build(tell)
         tell(f"Simulating {episodes:,} episodes")
-        rng = np.random.default_rng(seed)
-        found = simulate(robot, person, episodes, rng, max_steps=max_steps)
+        batch = simulate_batch(
+            robot, person, episodes, np.random.default_rng(seed), max_steps=max_steps, beliefs=True
+        )
         if not (path is None or isinstance(setup, BuiltSetup) or isinstance(robot, Collaborator)):
             from coadapt.simulation.log_writer import whole_log
 
+            # The same episodes step by step.
+            rng = np.random.default_rng(seed)
+            found = simulate(robot, person, episodes, rng, max_steps=max_steps)
             with whole_log(path, robot, setup) as log:
                 for number, episode in enumerate(found, start=1):
                     for step, decision in enumerate(episode.decisions):
                         log.write(float(step), number, decision)
-    outcome = outcome_of(robot, found)
+    summary = summarize(batch, robot.model, levels=robot.planning_model.alpha.levels)
     if as_json:
         record = {
             "task": model.world.name,
             "robot": robot.name,
             "partner": partner[0] if len(partner) == 1 else list(partner),
+            "partner_kind": kind,
+            "partner_numbers": list(kind_numbers),
             "mode": mode,
             "seed": seed,
-            **outcome.record(),
+            **summary_record(summary, model),
             "log": None if path is None else str(path),
         }
         click.echo(json.dumps(record))
         return
     wanted = "a first goal drawn from the prior" if mode is None else f"{mode} as first goal"
     alpha = "/".join(f"{value:g}" for value in partner)
-    heading = f"{model.world.name}, {robot.name}, a person with alpha {alpha} and {wanted}"
+    who = "person" if kind == "follower" else f"{' '.join([kind, *kind_numbers])} person"
+    heading = f"{model.world.name}, {robot.name}, a {who} with alpha {alpha} and {wanted}"
     click.echo(printable(heading))
-    click.echo("\n".join(printable(line) for line in outcome.lines()))
+    click.echo("\n".join(printable(line) for line in summary_lines(summary, model)))
     if path is not None:
         click.echo(f"Log saved to {printable(str(path))}")
 

@@ -1,14 +1,11 @@
-"""What came of simulated episodes: shares of the goals and means, with their standard errors."""
+"""What came of simulated episodes, for people and for JSON."""
 
 from __future__ import annotations
 
-import math
-from collections.abc import Sequence
-from dataclasses import dataclass
-from statistics import fmean, stdev
+from math import isnan
 
-from coadapt.robots import Collaborator, Robot
-from coadapt.simulation import Episode
+from coadapt.formalism import Model
+from coadapt.simulation import Mean, Summary
 
 MEANINGS = {
     "reward": "reward of the goal reached",
@@ -20,73 +17,40 @@ MEANINGS = {
 """Every measure in a few words, about the robot."""
 
 
-@dataclass(frozen=True)
-class Mean:
-    """A mean over the episodes, and its standard error; None of a single episode."""
-
-    mean: float
-    standard_error: float | None
-
-
-@dataclass(frozen=True)
-class Outcome:
-    """What came of the episodes.
-
-    Attributes:
-        episodes: their number.
-        goals: the share of those that end at each goal.
-        no_goal: the share of the others.
-        measures: the means, by the names in `MEANINGS`.
-    """
-
-    episodes: int
-    goals: dict[str, float]
-    no_goal: float
-    measures: dict[str, Mean]
-
-    def record(self) -> dict[str, object]:
-        """For JSON."""
-        means = {
-            name: {"mean": value.mean, "standard_error": value.standard_error}
-            for name, value in self.measures.items()
-        }
-        return {"episodes": self.episodes, "goals": self.goals, "no_goal": self.no_goal, **means}
-
-    def lines(self) -> list[str]:
-        """For people."""
-        shares = {f"ends at {name}": share for name, share in self.goals.items()}
-        shares["ends at no goal"] = self.no_goal
-        width = 2 + max(map(len, (*shares, *MEANINGS.values())))
-        lines = [f"  {'episodes':<{width}}{self.episodes:8,}"]
-        lines += [f"  {name:<{width}}{share:8.1%}" for name, share in shares.items()]
-        for name, value in self.measures.items():
-            error = value.standard_error
-            spread = "" if error is None else f" +- {error:.2g}"
-            lines.append(f"  {MEANINGS[name]:<{width}}{value.mean:8.3f}{spread}")
-        return lines
-
-
-def outcome_of(robot: Robot | Collaborator, episodes: Sequence[Episode]) -> Outcome:
-    """The outcome of at least one episode of ``robot``."""
-    names, count = robot.model.mode_names, len(episodes)
-    ends = [sum(e.goal == g for e in episodes) for g in range(len(names))]
-    alpha = robot.planning_model.alpha.levels
-    estimates = [float(e.decisions[-1].adaptability_belief @ alpha) for e in episodes]
-    values = {
-        "reward": [e.reward for e in episodes],
-        "steps": [float(e.steps) for e in episodes],
-        "disagreement": [e.disagreement for e in episodes],
-        "overridden": [float(e.overridden) for e in episodes],
-        "estimated_adaptability": estimates,
+def summary_record(summary: Summary, model: Model) -> dict[str, object]:
+    """For JSON."""
+    means = {
+        name: {"mean": value.mean, "standard_error": _error(value)}
+        for name, value in _measures(summary).items()
     }
-    return Outcome(
-        episodes=count,
-        goals={name: end / count for name, end in zip(names, ends, strict=True)},
-        no_goal=sum(e.goal is None for e in episodes) / count,
-        measures={name: _mean(numbers) for name, numbers in values.items()},
-    )
+    goals = _shares(summary, model)
+    return {"episodes": summary.runs, "goals": goals, "no_goal": summary.no_goal, **means}
 
 
-def _mean(values: Sequence[float]) -> Mean:
-    error = stdev(values) / math.sqrt(len(values)) if len(values) > 1 else None
-    return Mean(fmean(values), error)
+def summary_lines(summary: Summary, model: Model) -> list[str]:
+    """For people."""
+    shares = {f"ends at {name}": share for name, share in _shares(summary, model).items()}
+    shares["ends at no goal"] = summary.no_goal
+    width = 2 + max(map(len, (*shares, *MEANINGS.values())))
+    lines = [f"  {'episodes':<{width}}{summary.runs:8,}"]
+    lines += [f"  {name:<{width}}{share:8.1%}" for name, share in shares.items()]
+    for name, value in _measures(summary).items():
+        error = _error(value)
+        spread = "" if error is None else f" +- {error:.2g}"
+        lines.append(f"  {MEANINGS[name]:<{width}}{value.mean:8.3f}{spread}")
+    return lines
+
+
+def _shares(summary: Summary, model: Model) -> dict[str, float]:
+    return dict(zip(model.mode_names, map(float, summary.goals), strict=True))
+
+
+def _measures(summary: Summary) -> dict[str, Mean]:
+    found = {name: getattr(summary, name) for name in list(MEANINGS)[:-1]}
+    if summary.adaptability is not None:
+        found["estimated_adaptability"] = summary.adaptability
+    return found
+
+
+def _error(value: Mean) -> float | None:
+    return None if isnan(value.standard_error) else value.standard_error

@@ -171,11 +171,11 @@ def _performance(robot: RobotResult) -> Grid:
         [
             f"{alpha:g}",
             f"{fixed(e.reward, 4)} ± {_error(e.reward_error)}",
-            fixed(s.reward),
-            fixed(s.standard_error, 4),
+            fixed(s.reward.mean),
+            fixed(s.reward.standard_error, 4),
             f"{fixed(s.low)} to {fixed(s.high)}",
             percent(p),
-            percent(s.optimal),
+            percent(float(s.goals[robot.optimal_goal])),
         ]
         for alpha, e, p, s in zip(
             robot.alpha, robot.exact, robot.optimal, robot.simulated, strict=True

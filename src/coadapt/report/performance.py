@@ -13,7 +13,14 @@ from math import sqrt
 import numpy as np
 
 from coadapt.robots import Robot
-from coadapt.simulation import Evaluation, SimulatedPartner, evaluate_all, simulate
+from coadapt.simulation import (
+    Evaluation,
+    SimulatedPartner,
+    Summary,
+    evaluate_all,
+    simulate_batch,
+    summarize,
+)
 
 ALPHAS = (0.0, 0.25, 0.5, 0.75, 1.0)
 """Adaptability of the simulated users (Sec. 5.4 and 6.5)."""
@@ -23,33 +30,6 @@ FINE_ALPHAS = tuple(i / 10 for i in range(11))
 
 CURVE_TOLERANCE = 1e-2
 """Probability of episodes that the evaluation of a curve may leave unfinished."""
-
-Z95 = 1.959963984540054
-"""Half-width of a 95 % interval, in standard errors."""
-
-
-@dataclass(frozen=True)
-class Simulated:
-    """What ``runs`` simulated episodes with one partner came to.
-
-    Attributes:
-        runs: number of episodes.
-        reward: mean reward of the goal reached.
-        standard_error: of that mean, ``s / sqrt(runs)``.
-        low, high: 95 % interval of the expected reward, see `reward_interval`.
-        optimal: share of the episodes that ended at the optimal goal.
-        steps, disagreement, overridden: means, defined as in `coadapt.simulation.Evaluation`.
-    """
-
-    runs: int
-    reward: float
-    standard_error: float
-    low: float
-    high: float
-    optimal: float
-    steps: float
-    disagreement: float
-    overridden: float
 
 
 @dataclass(frozen=True)
@@ -78,7 +58,7 @@ class RobotResult:
         match_rule: whether it follows the match rule of Sec. 5.3; None where that makes no sense.
         alpha: adaptability of the partners.
         exact: one `Evaluation` for each partner.
-        simulated: one `Simulated` for each partner, or none where episodes were not drawn.
+        simulated: one `Summary` for each partner, or none where episodes were not drawn.
         optimal_goal: index of the optimal goal in ``exact[i].goal_probability``.
         curve: exact performance on a finer grid, or None.
     """
@@ -89,7 +69,7 @@ class RobotResult:
     match_rule: bool | None
     alpha: tuple[float, ...]
     exact: tuple[Evaluation, ...]
-    simulated: tuple[Simulated, ...]
+    simulated: tuple[Summary, ...]
     optimal_goal: int
     curve: Curve | None = None
 
@@ -117,39 +97,9 @@ def evaluate_curve(robot: Robot, mode: int, alphas: Sequence[float] = FINE_ALPHA
 
 def simulate_partner(
     robot: Robot, partner: SimulatedPartner, runs: int, rng: np.random.Generator
-) -> Simulated:
-    """The means over ``runs`` episodes of ``robot`` with ``partner``; at least one run."""
-    world = robot.model.world
-    episodes = simulate(robot, partner, runs, rng)
-    rewards = np.array([episode.reward for episode in episodes])
-    optimal = sum(episode.goal == world.optimal_goal for episode in episodes)
-    goal_rewards = [goal.reward for goal in world.goals]
-    low, high = reward_interval(optimal, runs, min(goal_rewards), max(goal_rewards))
-    return Simulated(
-        runs=runs,
-        reward=float(rewards.mean()),
-        standard_error=float(rewards.std(ddof=1) / sqrt(runs)) if runs > 1 else float("nan"),
-        low=low,
-        high=high,
-        optimal=optimal / runs,
-        steps=float(np.mean([episode.steps for episode in episodes])),
-        disagreement=float(np.mean([episode.disagreement for episode in episodes])),
-        overridden=float(np.mean([episode.overridden for episode in episodes])),
-    )
-
-
-def reward_interval(optimal: int, runs: int, worst: float, best: float) -> tuple[float, float]:
-    """95 % interval of the expected reward, where ``optimal`` of ``runs`` got ``best``.
-
-    There are two goals, so the mean reward is ``worst + (best - worst) p``; the interval of ``p``
-    is Wilson's, which stays sensible where all runs ended alike.
-    """
-    share = optimal / runs
-    spread = Z95 * sqrt(share * (1 - share) / runs + Z95**2 / (4 * runs**2))
-    middle = share + Z95**2 / (2 * runs)
-    scale = (best - worst) / (1 + Z95**2 / runs)
-    low, high = worst + scale * (middle - spread), worst + scale * (middle + spread)
-    return max(worst, low), min(best, high)
+) -> Summary:
+    """What ``runs`` episodes of ``robot`` with ``partner`` came to; at least one run."""
+    return summarize(simulate_batch(robot, partner, runs, rng), robot.model)
 
 
 def distances(result: RobotResult, worst: float, best: float) -> tuple[float, ...]:
@@ -161,7 +111,7 @@ def distances(result: RobotResult, worst: float, best: float) -> tuple[float, ..
     found: list[float] = []
     for exact, p, simulated in zip(result.exact, result.optimal, result.simulated, strict=True):
         error = (best - worst) * sqrt(max(p * (1 - p), 0.0) / simulated.runs)
-        apart = abs(simulated.reward - exact.reward)
+        apart = abs(simulated.reward.mean - exact.reward)
         if apart <= exact.reward_error + 1e-9:
             found.append(0.0)
         else:

@@ -14,7 +14,6 @@ from coadapt.report.identities import Identity, identities
 from coadapt.report.performance import (
     ALPHAS,
     RobotResult,
-    Simulated,
     evaluate_curve,
     simulate_partner,
 )
@@ -22,7 +21,7 @@ from coadapt.report.planning import solve
 from coadapt.report.samples import SampleRun, sample_runs
 from coadapt.robots import NEVER_MATCH, MatchRule, MutualAdaptation, NoAdaptation, OneWayAdaptation
 from coadapt.robots.robot import Robot
-from coadapt.simulation import SimulatedPartner, evaluate_all
+from coadapt.simulation import SimulatedPartner, Summary, evaluate_all
 from coadapt.worlds import table_clearing
 
 Progress = Callable[[str], None]
@@ -232,7 +231,7 @@ def _evaluate(
 
 def _simulate(
     robot: Robot, partners: Sequence[SimulatedPartner], runs: int, seed: np.random.SeedSequence
-) -> tuple[Simulated, ...]:
+) -> tuple[Summary, ...]:
     # Spawning counts the children, so it is done from a copy: every robot meets users drawn from
     # the same seeds, and differences are the robots' own.
     copy = np.random.SeedSequence(seed.entropy, spawn_key=seed.spawn_key)

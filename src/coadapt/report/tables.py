@@ -103,12 +103,12 @@ def _performance_object(robot: RobotResult) -> dict[str, Any]:
         "alpha": list(robot.alpha),
         "exact": [e.reward for e in robot.exact],
         "exact_error": [e.reward_error for e in robot.exact],
-        "simulated": [s.reward for s in robot.simulated],
-        "standard_error": [s.standard_error for s in robot.simulated],
+        "simulated": [s.reward.mean for s in robot.simulated],
+        "standard_error": [s.reward.standard_error for s in robot.simulated],
         "interval_low": [s.low for s in robot.simulated],
         "interval_high": [s.high for s in robot.simulated],
         "optimal_goal": list(robot.optimal),
-        "optimal_goal_simulated": [s.optimal for s in robot.simulated],
+        "optimal_goal_simulated": [float(s.goals[robot.optimal_goal]) for s in robot.simulated],
     }
 
 
@@ -186,8 +186,8 @@ def _performance(found: Reproduction) -> Table:
         lists = (robot.alpha, robot.exact, robot.optimal, robot.simulated)
         for alpha, e, p, s in zip(*lists, strict=True):
             exact = (robot.key, robot.match_rule, alpha, e.reward, e.reward_error)
-            drawn = (s.runs, s.reward, s.standard_error, s.low, s.high)
-            rows.append((*exact, *drawn, p, s.optimal))
+            drawn = (s.runs, s.reward.mean, s.reward.standard_error, s.low, s.high)
+            rows.append((*exact, *drawn, p, float(s.goals[robot.optimal_goal])))
     return Table("performance", columns, tuple(rows))
 
 

@@ -13,6 +13,7 @@ from coadapt.simulation.partners import (
     SimulatedPartner,
 )
 from coadapt.simulation.simulate import simulate
+from coadapt.simulation.summary import Mean, Summary, summarize
 
 __all__ = [
     "UNKNOWN_MODE",
@@ -22,10 +23,12 @@ __all__ = [
     "DrawnPartner",
     "Episode",
     "Evaluation",
+    "Mean",
     "Partner",
     "PartnerTables",
     "Person",
     "SimulatedPartner",
+    "Summary",
     "Trial",
     "Trials",
     "Visits",
@@ -34,4 +37,5 @@ __all__ = [
     "expand",
     "simulate",
     "simulate_batch",
+    "summarize",
 ]

@@ -65,7 +65,7 @@ def _draw(
         points |= {a: e.reward for a, e in zip(robot.alpha, robot.exact, strict=True)}
         alpha = sorted(points)
         axes.plot(alpha, [points[a] for a in alpha], dashes, color=color, linewidth=1.5)
-    means = np.array([s.reward for s in robot.simulated])
+    means = np.array([s.reward.mean for s in robot.simulated])
     low, high = (np.array([getattr(s, end) for s in robot.simulated]) for end in ("low", "high"))
     axes.errorbar(
         np.array(robot.alpha) + aside,

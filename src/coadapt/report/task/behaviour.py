@@ -103,7 +103,7 @@ def _map(axes: Axes, model: Model, shown: Performance) -> None:
             zorder=6,
         )
         centre = region.mean(axis=0)
-        share = f"{100 * float(shown.goals[g]):.0f} %"
+        share = f"{100 * float(shown.summary.goals[g]):.0f} %"
         text = f"{goal.name}, {goal.reward:g}\n{share}{' end here' if len(world.goals) < 3 else ''}"
         side = _side(world.positions, [other.states for other in world.goals], g)
         _name(axes, centre, text, INK, up=bool(centre[1] >= middle), side=side)

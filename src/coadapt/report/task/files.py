@@ -68,11 +68,11 @@ def task_json(found: TaskResults) -> str:
             {
                 "robot": robot.label,
                 "alpha": [p.alpha for p in robot.by_alpha],
-                "reward": [p.reward for p in robot.by_alpha],
-                "standard_error": [p.standard_error for p in robot.by_alpha],
-                "goal_share": [p.goals.tolist() for p in robot.by_alpha],
-                "steps": [p.steps for p in robot.by_alpha],
-                "disagreement": [p.disagreement for p in robot.by_alpha],
+                "reward": [p.summary.reward.mean for p in robot.by_alpha],
+                "standard_error": [p.summary.reward.standard_error for p in robot.by_alpha],
+                "goal_share": [p.summary.goals.tolist() for p in robot.by_alpha],
+                "steps": [p.summary.steps.mean for p in robot.by_alpha],
+                "disagreement": [p.summary.disagreement.mean for p in robot.by_alpha],
                 "estimate": [p.estimate for p in robot.by_alpha],
             }
             for robot in found.robots
@@ -85,8 +85,8 @@ def task_summary(found: TaskResults) -> str:
     """The main numbers as a table of plain text."""
     rows = [["alpha", *(robot.label.lower() for robot in found.robots)]]
     for i, alpha in enumerate(p.alpha for p in found.planned.by_alpha):
-        met = [robot.by_alpha[i] for robot in found.robots]
-        rows.append([f"{alpha:g}", *(f"{p.reward:.3f} +- {p.standard_error:.3f}" for p in met)])
+        met = [robot.by_alpha[i].summary.reward for robot in found.robots]
+        rows.append([f"{alpha:g}", *(f"{r.mean:.3f} +- {r.standard_error:.3f}" for r in met)])
     widths = [max(len(row[i]) for row in rows) for i in range(len(rows[0]))]
     first, solution = found.model.mode_names[found.first_mode], found.solution
     return "\n".join(

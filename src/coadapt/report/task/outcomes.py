@@ -25,12 +25,10 @@ from coadapt.report.figures.style import (
     label_line,
 )
 from coadapt.report.task.results import TaskResults
+from coadapt.simulation.summary import Z95
 
 HEIGHT = 2.7
 """Of the figure, inches."""
-
-Z95 = 1.96
-"""Half-width of the intervals in standard errors."""
 
 OPTIMAL = MUTUAL
 SHADES = (ONE_WAY, MUTED, LINE, HUMAN, PATH, ROBOT)
@@ -51,8 +49,8 @@ def _rewards(axes: Axes, found: TaskResults) -> None:
         color, marker, dashes = LOOKS.get(robot.label, LOOKS["Mutual adaptation"])
         axes.errorbar(
             [p.alpha for p in robot.by_alpha],
-            [p.reward for p in robot.by_alpha],
-            yerr=[Z95 * p.standard_error for p in robot.by_alpha],
+            [p.summary.reward.mean for p in robot.by_alpha],
+            yerr=[Z95 * p.summary.reward.standard_error for p in robot.by_alpha],
             color=color,
             marker=marker,
             linestyle=dashes,
@@ -66,7 +64,7 @@ def _rewards(axes: Axes, found: TaskResults) -> None:
     if high - low < 0.2:
         axes.set_ylim(low - 0.1, high + 0.1)
         low, high = axes.get_ylim()
-    last = [robot.by_alpha[-1].reward for robot in found.robots]
+    last = [robot.by_alpha[-1].summary.reward.mean for robot in found.robots]
     points = 0.69 * HEIGHT * 72 / (high - low)
     for robot, y, at in zip(found.robots, last, spread(last, 0.09 * (high - low)), strict=True):
         color = LOOKS.get(robot.label, LOOKS["Mutual adaptation"])[0]
@@ -85,7 +83,7 @@ def _ends(axes: Axes, found: TaskResults) -> None:
     middles: list[float] = []
     labels: list[tuple[str, str]] = []
     for rank, g in enumerate([world.optimal_goal, *others]):
-        share = np.array([100 * float(p.goals[g]) for p in by_alpha])
+        share = np.array([100 * float(p.summary.goals[g]) for p in by_alpha])
         color = OPTIMAL if g == world.optimal_goal else SHADES[(rank - 1) % len(SHADES)]
         axes.bar(alphas, share, width=0.17, bottom=bottom, color=color, edgecolor=PAPER, lw=0.6)
         middles.append(float(bottom[-1] + share[-1] / 2))

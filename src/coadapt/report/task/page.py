@@ -56,11 +56,11 @@ def _performance(found: TaskResults, robot: RobotPerformance) -> Grid:
     rows = [
         [
             f"{p.alpha:g}",
-            fixed(p.reward),
-            fixed(p.standard_error),
-            *(percent(float(share)) for share in p.goals),
-            fixed(p.steps, 1),
-            fixed(p.disagreement, 2),
+            fixed(p.summary.reward.mean),
+            fixed(p.summary.reward.standard_error),
+            *(percent(float(share)) for share in p.summary.goals),
+            fixed(p.summary.steps.mean, 1),
+            fixed(p.summary.disagreement.mean, 2),
             fixed(p.estimate, 2) if knows else "–",
         ]
         for p in robot.by_alpha

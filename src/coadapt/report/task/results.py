@@ -2,10 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable
 from dataclasses import dataclass
-from itertools import pairwise
-from math import inf, sqrt
+from math import inf
 
 import numpy as np
 
@@ -21,7 +20,15 @@ from coadapt.robots import (
     NoAdaptation,
     OneWayAdaptation,
 )
-from coadapt.simulation import Episode, SimulatedPartner, simulate
+from coadapt.simulation import (
+    Batch,
+    Episode,
+    SimulatedPartner,
+    Summary,
+    simulate,
+    simulate_batch,
+    summarize,
+)
 
 Progress = Callable[[str], None]
 
@@ -70,23 +77,21 @@ class Performance:
 
     Attributes:
         alpha: the partners' adaptability.
-        reward: mean reward of the goal reached, with its standard error.
-        goals: ``[G]`` share of the episodes that ended at each goal; they may sum to less than 1.
-        steps, disagreement: means of `Episode.steps` and `Episode.disagreement`.
-        estimate: mean over the episodes of the robot's last estimate of alpha, its posterior mean.
+        summary: shares and means.
         visits: ``[X]`` mean number of steps taken in each state.
         flow: mean number of moves from a state to another, by the pair of states.
     """
 
     alpha: float
-    reward: float
-    standard_error: float
-    goals: FloatArray
-    steps: float
-    disagreement: float
-    estimate: float
+    summary: Summary
     visits: FloatArray
     flow: dict[tuple[int, int], float]
+
+    @property
+    def estimate(self) -> float:
+        """Mean over the episodes of the robot's last estimate of alpha, its posterior mean."""
+        assert self.summary.adaptability is not None
+        return self.summary.adaptability.mean
 
 
 @dataclass(frozen=True)
@@ -195,38 +200,33 @@ def _simulated(
     samples: list[Episode] = []
     for alpha, child in zip(ALPHAS, children, strict=True):
         partner = SimulatedPartner(alpha, first_mode)
-        rng = np.random.default_rng(child)
-        episodes = simulate(robot, partner, settings.runs, rng, max_steps=MAX_STEPS)
-        by_alpha.append(_summary(robot.model, alpha, episodes))
-        samples.append(episodes[0])
+        batch = simulate_batch(
+            robot,
+            partner,
+            settings.runs,
+            np.random.default_rng(child),
+            max_steps=MAX_STEPS,
+            beliefs=True,
+        )
+        by_alpha.append(_performance(robot.model, alpha, batch))
+        first = simulate(robot, partner, 1, np.random.default_rng(child), max_steps=MAX_STEPS)
+        samples += first
     return RobotPerformance(label, tuple(by_alpha), (samples[0], samples[-1]))
 
 
-def _summary(model: Model, alpha: float, episodes: Sequence[Episode]) -> Performance:
-    world, count = model.world, len(episodes)
-    rewards = np.array([episode.reward for episode in episodes])
-    visits = np.zeros(world.states)
+def _performance(model: Model, alpha: float, batch: Batch) -> Performance:
+    world = model.world
+    assert batch.belief is not None
+    values = batch.belief.shape[2]
+    levels = model.alpha.levels if values == len(model.alpha.prior) else np.zeros(values)
     flow: dict[tuple[int, int], float] = {}
-    goals = np.zeros(len(world.goals))
-    estimates: list[float] = []
-    for episode in episodes:
-        if episode.goal is not None:
-            goals[episode.goal] += 1 / count
-        states = episode.states
-        for here, there in pairwise(states):
-            visits[here] += 1 / count
-            flow[here, there] = flow.get((here, there), 0.0) + 1 / count
-        last = episode.decisions[-1].belief.sum(axis=1)
-        levels = model.alpha.levels if len(last) == len(model.alpha.prior) else np.zeros(len(last))
-        estimates.append(float(last @ levels))
+    places = world.outcomes.reshape(batch.taken.shape)
+    for x, a, o in np.argwhere(batch.taken):
+        way = int(x), int(places[x, a, o])
+        flow[way] = flow.get(way, 0.0) + float(batch.taken[x, a, o]) / batch.people
     return Performance(
         alpha=alpha,
-        reward=float(rewards.mean()),
-        standard_error=float(rewards.std(ddof=1) / sqrt(count)),
-        goals=goals,
-        steps=float(np.mean([episode.steps for episode in episodes])),
-        disagreement=float(np.mean([episode.disagreement for episode in episodes])),
-        estimate=float(np.mean(estimates)),
-        visits=visits,
+        summary=summarize(batch, model, levels=levels),
+        visits=batch.taken.sum(axis=(1, 2)) / batch.people,
         flow=flow,
     )
