@@ -19,6 +19,7 @@ COMMANDS = {
     "play": "Steer the robot with the arrow keys, in this terminal.",
     "replay": "Run a recorded log of human inputs through a robot.",
     "reproduce": "Write the report of the published results, or of a task.",
+    "robustness": "Measure what a robot loses with people who break its model.",
     "simulate": "Run a robot with simulated people.",
     "solve": "Plan for a problem: a policy with certified bounds.",
     "tasks": "List the tasks, or show one.",

@@ -95,9 +95,9 @@ def command(
     from coadapt.robots.built_setup import BuiltSetup
     from coadapt.simulation import simulate, simulate_batch, summarize
 
-    setup = _setup(task, given)
+    setup = setup_of(task, given)
     model = setup.model()
-    first = _mode(model, mode)
+    first = mode_index(model, mode)
     if len(partner) not in (1, len(model.mode_names)):
         goals = len(model.mode_names)
         raise InputError(f"--partner must be one number or {goals}, not {len(partner)}")
@@ -149,7 +149,7 @@ def command(
         click.echo(f"Log saved to {printable(str(path))}")
 
 
-def _setup(task: str | None, given: Mapping[str, object]) -> AnySetup | BuiltSetup:
+def setup_of(task: str | None, given: Mapping[str, object]) -> AnySetup | BuiltSetup:
     """What the robot is built from, for the task or the file that ``task`` names."""
     from coadapt.robots.setup import RobotSetup
     from coadapt.robots.task_setup import TaskSetup
@@ -163,7 +163,8 @@ def _setup(task: str | None, given: Mapping[str, object]) -> AnySetup | BuiltSet
     return changed_setup(TaskSetup(task=found), given)
 
 
-def _mode(model: Model, name: str | None) -> int | None:
+def mode_index(model: Model, name: str | None) -> int | None:
+    """The mode that an option names; None if it names none."""
     if name is None:
         return None
     if name not in model.mode_names:
