@@ -12,6 +12,7 @@ from itertools import pairwise
 from typing import Literal, Protocol, get_args
 
 import msgspec
+import numpy as np
 
 from coadapt.errors import InputError
 from coadapt.formalism import SharedAutonomy
@@ -23,7 +24,7 @@ from coadapt.robots.fixed import NoAdaptation
 from coadapt.robots.match import MatchRule
 from coadapt.robots.mutual import MutualAdaptation
 from coadapt.robots.one_way import OneWayAdaptation
-from coadapt.robots.robot import Robot
+from coadapt.robots.robot import NO_INPUT, Robot
 from coadapt.worlds import table_clearing
 
 RobotName = Literal["mutual_adaptation", "one_way_adaptation", "no_adaptation"]
@@ -210,7 +211,12 @@ def planned_robot(setup: Planned, progress: Progress | None = None) -> Robot:
     model = setup.model()
     problem = planning_problem(setup, model)
     policy = None if problem is None else planned_policy(problem, setup.gap, tell)
-    return robot_with(setup, model, policy)
+    robot = robot_with(setup, model, policy)
+    tell("Preparing the robot")
+    # The first decision waits for the compiler; later ones take microseconds.
+    window = model.windows.beginning[[model.world.start]]
+    _ = robot.decide_many(window, np.array([NO_INPUT]), robot.belief[None])
+    return robot
 
 
 def planning_problem(setup: Planned, model: SharedAutonomy) -> MOMDP | None:
