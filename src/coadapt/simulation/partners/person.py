@@ -29,7 +29,6 @@ class Person(NamedTuple):
     window: int = 0
 
 
-@runtime_checkable
 class Partner(Protocol):
     """Somebody who steers: a simulated person, or a program that stands in for a real one.
 
