@@ -19,12 +19,8 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 
 ROOT = Path(__file__).parent
 
-FOLDERS: dict[str, tuple[str, ...]] = {
-    "momdp/sarsop": (),
-    "robots/kernels": (),
-    "simulation/kernels": ("robots/kernels",),
-}
-"""Where kernels are, and in which other folders the kernels are that they call."""
+FOLDERS = ("momdp/sarsop", "analysis/kernels")
+"""Where kernels are."""
 
 
 @cache

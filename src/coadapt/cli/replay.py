@@ -64,6 +64,7 @@ def command(
     If the log or an option cannot be used the exit code is 2 and nothing is written.
     """
     from coadapt.cli.replay_output import Outcome, open_output
+    from coadapt.simulation.log import PARTICIPANT
     from coadapt.simulation.log_reader import open_log
     from coadapt.simulation.log_writer import whole_log
     from coadapt.simulation.replay import Comparison, InputAfterGoal, replay
@@ -89,11 +90,12 @@ def command(
             output = open_output(held, as_json, robot)
             output.begin(log, setup)
             rows = reader.rows(robot.model.interface.names)
-            with whole_log(target, robot, setup) as saved:
+            several = PARTICIPANT in reader.columns
+            with whole_log(target, robot, setup, participants=several) as saved:
                 try:
                     for trial in replay(robot, rows, log, skip_rest=skip_rest):
                         for row, decision in zip(trial.rows, trial.episode.decisions, strict=True):
-                            saved.write(row.time, trial.number, decision)
+                            saved.write(row.time, trial.number, decision, row.participant)
                         comparison.add(trial)
                         output.trial(trial)
                         tell(f"Replaying: {trial.number:,} trials")

@@ -1,7 +1,7 @@
 """The log format: human inputs in a CSV file, with the decisions they led to where we know them.
 
-A log is UTF-8 text. Somebody else's needs two columns, ``time`` and ``input``; ``trial`` is
-optional. Ours begin with comment lines that hold the robot's setup, and have a column for
+A log is UTF-8 text. Somebody else's needs two columns, ``time`` and ``input``; ``trial`` and
+``participant`` are optional. Ours begin with comment lines that hold the robot's setup, and have a column for
 everything a decision consists of, with numbers written so that they are read back to the same bit:
 
     # coadapt log, format 2
@@ -28,7 +28,7 @@ FORMAT_LINE = "# coadapt log, format"
 VERSION_LINE = "# written by coadapt"
 SETUP_LINE = "# setup"
 
-TIME, INPUT, TRIAL = "time", "input", "trial"
+TIME, INPUT, TRIAL, PARTICIPANT = "time", "input", "trial", "participant"
 MATCHED, AGREEMENT = "matched", "agreement"
 DECISION_COLUMNS = ("state", "action", "planned", MATCHED, AGREEMENT)
 BELIEF_PREFIX = "belief["
@@ -58,6 +58,7 @@ class LogRow:
         human_input: name of the input, or None for no input.
         trial: number of the trial, from 1.
         recorded: the decision as recorded, by column; only what the log has.
+        participant: who steered, or None if the log does not say.
     """
 
     line: int
@@ -65,6 +66,7 @@ class LogRow:
     human_input: str | None
     trial: int
     recorded: Mapping[str, Value] = field(default_factory=dict[str, Value])
+    participant: str | None = None
 
 
 def is_decision_column(name: str) -> bool:

@@ -25,6 +25,7 @@ from coadapt.simulation.log import (
     LONGEST_TRIAL,
     MATCHED,
     MOST_ROWS,
+    PARTICIPANT,
     SETUP_LINE,
     TIME,
     TRIAL,
@@ -126,12 +127,21 @@ class LogReader:
                     f"found time {time!r} after {last.time!r}, "
                     "expected times that never decrease within a trial",
                 )
+            who = cells[place[PARTICIPANT]].strip() if PARTICIPANT in place else ""
+            if not is_new and who != (last.participant or ""):
+                raise FileError(
+                    self.path,
+                    line,
+                    f"found {PARTICIPANT} {excerpt(who)} in a trial of "
+                    f"{excerpt(last.participant or '')}, expected another trial for another one",
+                )
             last = LogRow(
                 line=line,
                 time=time,
                 human_input=self._input(line, cells[place[INPUT]], inputs),
                 trial=trial,
                 recorded=self._recorded(line, cells, place),
+                participant=who or None,
             )
             yield last
         if rows == 0:

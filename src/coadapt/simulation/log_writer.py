@@ -21,6 +21,7 @@ from coadapt.simulation.log import (
     FORMAT,
     FORMAT_LINE,
     INPUT,
+    PARTICIPANT,
     SETUP_LINE,
     TIME,
     TRIAL,
@@ -37,22 +38,37 @@ class LogWriter:
         stream: where to, opened with ``newline=""``.
         setup: the robot behind the decisions.
         columns: the decision columns.
+        participants: whether there is a column for who steered.
     """
 
-    def __init__(self, stream: TextIO, setup: AnySetup, columns: Sequence[str]) -> None:
+    def __init__(
+        self,
+        stream: TextIO,
+        setup: AnySetup,
+        columns: Sequence[str],
+        participants: bool = False,
+    ) -> None:
         self._columns = tuple(columns)
+        self._participants = participants
         self._stream = stream
         self._csv = csv.writer(stream, lineterminator="\n")
         stream.write(f"{FORMAT_LINE} {FORMAT}\n{VERSION_LINE} {__version__}\n")
         stream.write(f"{SETUP_LINE} {msgspec.json.encode(setup).decode()}\n")
-        self._csv.writerow([TIME, INPUT, TRIAL, *self._columns])
+        who = [PARTICIPANT] if participants else []
+        self._csv.writerow([TIME, INPUT, TRIAL, *who, *self._columns])
 
     def write(
-        self, time: float, human_input: str | None, trial: int, values: Mapping[str, Value]
+        self,
+        time: float,
+        human_input: str | None,
+        trial: int,
+        values: Mapping[str, Value],
+        participant: str | None = None,
     ) -> None:
         """Write one row; ``values`` are the cells of the decision columns, absent ones empty."""
         cells = [_cell(values[name]) if name in values else "" for name in self._columns]
-        self._csv.writerow([repr(float(time)), human_input or "", str(trial), *cells])
+        who = [participant or ""] if self._participants else []
+        self._csv.writerow([repr(float(time)), human_input or "", str(trial), *who, *cells])
 
 
 class DecisionLog:
@@ -62,15 +78,28 @@ class DecisionLog:
         stream: where to, opened with ``newline=""``.
         robot: decides.
         setup: what the robot was built from.
+        participants: whether to say who steered.
     """
 
-    def __init__(self, stream: TextIO, robot: Robot, setup: AnySetup) -> None:
+    def __init__(
+        self, stream: TextIO, robot: Robot, setup: AnySetup, participants: bool = False
+    ) -> None:
         self._cells = DecisionCells(robot)
-        self._writer = LogWriter(stream, setup, self._cells.columns)
+        self._writer = LogWriter(stream, setup, self._cells.columns, participants)
 
-    def write(self, time: float, trial: int, decision: Decision) -> None:
-        """Write one step: ``time`` in seconds, the number of the trial from 1, the decision."""
-        self._writer.write(time, self._cells.input(decision), trial, self._cells.values(decision))
+    def write(
+        self, time: float, trial: int, decision: Decision, participant: str | None = None
+    ) -> None:
+        """Write one step.
+
+        Args:
+            time: in seconds.
+            trial: its number, from 1 on through all participants.
+            decision: what was decided.
+            participant: who steered.
+        """
+        human_input, values = self._cells.input(decision), self._cells.values(decision)
+        self._writer.write(time, human_input, trial, values, participant)
 
 
 class LiveLog:
@@ -133,7 +162,7 @@ class LiveLog:
 
 @contextmanager
 def whole_log(
-    path: str | os.PathLike[str], robot: Robot, setup: AnySetup
+    path: str | os.PathLike[str], robot: Robot, setup: AnySetup, participants: bool = False
 ) -> Generator[DecisionLog]:
     """A log that appears under ``path`` when all of it is written, and not at all after an error.
 
@@ -152,7 +181,7 @@ def whole_log(
         raise _unwritable(path, error) from error
     try:
         with stream:
-            yield DecisionLog(stream, robot, setup)
+            yield DecisionLog(stream, robot, setup, participants)
             stream.flush()
             os.fsync(stream.fileno())
         draft.replace(target)

@@ -1,0 +1,113 @@
+"""Models of people against each other: no adaptation, one alpha, a population; memories of k steps.
+
+All are judged by the same inputs: the largest log likelihood, AIC and BIC (participants count as the
+independent observations), the log of the evidence with uniform priors over the model's parameters,
+of which differences are logs of Bayes factors, and the log likelihood of each participant under the
+population fitted to the others (leave one out).
+"""
+
+from __future__ import annotations
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from math import log
+
+import numpy as np
+
+from coadapt.analysis.adaptability.beta import GRID_POINTS, beta_weights
+from coadapt.analysis.adaptability.evidence import Evidence
+from coadapt.analysis.adaptability.likelihood import PersonModel
+from coadapt.analysis.adaptability.recordings import Recordings
+from coadapt.arrays import FloatArray
+
+MEANS, SPREADS = 41, 21
+"""Size of the grid over populations that evidence and leave-one-out average over."""
+
+MEMORIES = (1, 2, 3)
+
+
+@dataclass(frozen=True)
+class ModelScore:
+    """How well a model of people fits.
+
+    Attributes:
+        name: of the model.
+        memory: ``k``.
+        parameters: number of free parameters.
+        log_likelihood: the largest, nats.
+        aic, bic: smaller is better.
+        log_evidence: nats, the parameters averaged over.
+        left_out: nats, the sum over participants of the log likelihood under the most likely
+            parameters of the others.
+    """
+
+    name: str
+    memory: int
+    parameters: int
+    log_likelihood: float
+    aic: float
+    bic: float
+    log_evidence: float
+    left_out: float
+
+
+def compare_models(
+    person: PersonModel, recordings: Recordings, memories: Sequence[int] = MEMORIES
+) -> list[ModelScore]:
+    """Every model with every memory; those that know nothing of alpha need no memory but one."""
+    scores: list[ModelScore] = []
+    for memory in memories:
+        model = replace(person.model, memory=memory)
+        evidence = Evidence(_bounded(replace(person, model=model), recordings))
+        if not scores:
+            scores.append(_score("no adaptation", memory, 0, evidence, np.array([0.0]), None))
+        scores.append(_score("all alike", memory, 1, evidence, np.linspace(0, 1, 201), None))
+        mean, spread = np.linspace(0, 1, MEANS), np.linspace(0, 1, SPREADS)
+        scores.append(_score("beta population", memory, 2, evidence, mean, spread))
+    return scores
+
+
+def _bounded(person: PersonModel, recordings: Recordings) -> FloatArray:
+    found = Evidence.of(person, recordings, GRID_POINTS).log_likelihood
+    return np.maximum(found, np.finfo(np.float64).min / 1e6 / max(1, len(found)))
+
+
+def _score(
+    name: str,
+    memory: int,
+    parameters: int,
+    evidence: Evidence,
+    mean: FloatArray,
+    spread: FloatArray | None,
+) -> ModelScore:
+    if spread is None:
+        weights = beta_weights(mean, np.zeros(()), evidence.points)
+    else:
+        weights = beta_weights(mean[:, None], spread[None, :], evidence.points)
+        weights = weights.reshape(len(weights), -1)
+    each = evidence.by_participant(weights)  # [P, K]
+    total = each.sum(axis=0)
+    best = float(total.max())
+    averaging = _trapezoid(mean) if spread is None else np.outer(
+        _trapezoid(mean), _trapezoid(spread)
+    ).ravel()
+    shifted = np.exp(total - best)
+    others = (total - each).argmax(axis=1)
+    return ModelScore(
+        name=name,
+        memory=memory,
+        parameters=parameters,
+        log_likelihood=best,
+        aic=2 * parameters - 2 * best,
+        bic=parameters * log(len(evidence)) - 2 * best,
+        log_evidence=best + log(float(shifted @ averaging)),
+        left_out=float(np.take_along_axis(each, others[:, None], axis=1).sum()),
+    )
+
+
+def _trapezoid(grid: FloatArray) -> FloatArray:
+    """Weights that average over an even grid, ends half."""
+    weights = np.ones(len(grid))
+    if len(grid) > 1:
+        weights[[0, -1]] = 0.5
+    return weights / weights.sum()
