@@ -19,8 +19,13 @@ Function = TypeVar("Function", bound=Callable[..., Any])
 
 ROOT = Path(__file__).parent
 
-FOLDERS = ("momdp/sarsop", "analysis/kernels")
-"""Where kernels are."""
+FOLDERS: dict[str, tuple[str, ...]] = {
+    "momdp/sarsop": (),
+    "robots/kernels": (),
+    "simulation/kernels": ("robots/kernels",),
+    "analysis/kernels": (),
+}
+"""Where kernels are, and in which other folders the kernels are that they call."""
 
 
 @cache

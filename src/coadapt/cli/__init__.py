@@ -15,8 +15,10 @@ from coadapt.errors import InputError, printable
 
 COMMANDS = {
     "evaluate": "Evaluate a policy by simulation and exactly.",
+    "fit": "Adaptability of people and populations, from logs.",
     "partners": "List the kinds of simulated people.",
     "play": "Steer the robot with the arrow keys, in this terminal.",
+    "power": "How many participants a study needs, from simulated experiments.",
     "replay": "Run a recorded log of human inputs through a robot.",
     "reproduce": "Write the report of the published results, or of a task.",
     "robustness": "Measure what a robot loses with people who break its model.",

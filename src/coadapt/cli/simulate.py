@@ -120,10 +120,10 @@ def command(
             # The same episodes step by step.
             rng = np.random.default_rng(seed)
             found = simulate(robot, person, episodes, rng, max_steps=max_steps)
-            with whole_log(path, robot, setup) as log:
+            with whole_log(path, robot, setup, participants=True) as log:
                 for number, episode in enumerate(found, start=1):
                     for step, decision in enumerate(episode.decisions):
-                        log.write(float(step), number, decision)
+                        log.write(float(step), number, decision, str(number))
     summary = summarize(batch, robot.model, levels=robot.planning_model.alpha.levels)
     if as_json:
         record = {

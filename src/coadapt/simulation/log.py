@@ -1,8 +1,9 @@
 """The log format: human inputs in a CSV file, with the decisions they led to where we know them.
 
 A log is UTF-8 text. Somebody else's needs two columns, ``time`` and ``input``; ``trial`` and
-``participant`` are optional. Ours begin with comment lines that hold the robot's setup, and have a column for
-everything a decision consists of, with numbers written so that they are read back to the same bit:
+``participant`` are optional. Ours begin with comment lines that hold the robot's setup, and have a
+column for everything a decision consists of, with numbers written so that they are read back to the
+same bit:
 
     # coadapt log, format 2
     # written by coadapt 0.1.0

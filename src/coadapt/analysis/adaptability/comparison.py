@@ -1,7 +1,7 @@
 """Models of people against each other: no adaptation, one alpha, a population; memories of k steps.
 
-All are judged by the same inputs: the largest log likelihood, AIC and BIC (participants count as the
-independent observations), the log of the evidence with uniform priors over the model's parameters,
+All are judged by the same inputs: the largest log likelihood, AIC and BIC (participants count as
+the independent observations), the log of the evidence with uniform priors over the model's parameters,
 of which differences are logs of Bayes factors, and the log likelihood of each participant under the
 population fitted to the others (leave one out).
 """
@@ -10,11 +10,11 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
-from math import log
+from math import inf, log
 
 import numpy as np
 
-from coadapt.analysis.adaptability.beta import GRID_POINTS, beta_weights
+from coadapt.analysis.adaptability.beta import beta_weights
 from coadapt.analysis.adaptability.evidence import Evidence
 from coadapt.analysis.adaptability.likelihood import PersonModel
 from coadapt.analysis.adaptability.recordings import Recordings
@@ -22,6 +22,9 @@ from coadapt.arrays import FloatArray
 
 MEANS, SPREADS = 41, 21
 """Size of the grid over populations that evidence and leave-one-out average over."""
+
+IMPOSSIBLE = -1e9
+"""Stands for the log likelihood of what cannot be, where sums are compared."""
 
 MEMORIES = (1, 2, 3)
 
@@ -58,18 +61,13 @@ def compare_models(
     scores: list[ModelScore] = []
     for memory in memories:
         model = replace(person.model, memory=memory)
-        evidence = Evidence(_bounded(replace(person, model=model), recordings))
+        evidence = Evidence.of(replace(person, model=model), recordings)
         if not scores:
             scores.append(_score("no adaptation", memory, 0, evidence, np.array([0.0]), None))
         scores.append(_score("all alike", memory, 1, evidence, np.linspace(0, 1, 201), None))
         mean, spread = np.linspace(0, 1, MEANS), np.linspace(0, 1, SPREADS)
         scores.append(_score("beta population", memory, 2, evidence, mean, spread))
     return scores
-
-
-def _bounded(person: PersonModel, recordings: Recordings) -> FloatArray:
-    found = Evidence.of(person, recordings, GRID_POINTS).log_likelihood
-    return np.maximum(found, np.finfo(np.float64).min / 1e6 / max(1, len(found)))
 
 
 def _score(
@@ -88,11 +86,12 @@ def _score(
     each = evidence.by_participant(weights)  # [P, K]
     total = each.sum(axis=0)
     best = float(total.max())
-    averaging = _trapezoid(mean) if spread is None else np.outer(
-        _trapezoid(mean), _trapezoid(spread)
-    ).ravel()
-    shifted = np.exp(total - best)
-    others = (total - each).argmax(axis=1)
+    averaging = _trapezoid(mean)
+    if spread is not None:
+        averaging = np.outer(averaging, _trapezoid(spread)).ravel()
+    mean_ratio = float(np.exp(total - best) @ averaging) if best > -inf else 0.0
+    possible = np.maximum(each, IMPOSSIBLE)
+    others = (possible.sum(axis=0) - possible).argmax(axis=1)
     return ModelScore(
         name=name,
         memory=memory,
@@ -100,7 +99,7 @@ def _score(
         log_likelihood=best,
         aic=2 * parameters - 2 * best,
         bic=parameters * log(len(evidence)) - 2 * best,
-        log_evidence=best + log(float(shifted @ averaging)),
+        log_evidence=best + log(mean_ratio) if mean_ratio > 0 else -inf,
         left_out=float(np.take_along_axis(each, others[:, None], axis=1).sum()),
     )
 

@@ -9,9 +9,9 @@ from typing import Self
 import numpy as np
 
 from coadapt.analysis.adaptability.beta import GRID_POINTS, alpha_grid
-from coadapt.analysis.kernels.adaptability import mixture_log_likelihood
 from coadapt.analysis.adaptability.likelihood import PersonModel, log_likelihoods
 from coadapt.analysis.adaptability.recordings import Recordings
+from coadapt.analysis.kernels.adaptability import mixture_log_likelihood
 from coadapt.arrays import FloatArray, IntArray
 
 

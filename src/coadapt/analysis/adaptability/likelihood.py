@@ -17,8 +17,8 @@ from functools import cached_property
 
 import numpy as np
 
-from coadapt.analysis.kernels.adaptability import Steps, log_likelihood
 from coadapt.analysis.adaptability.recordings import Recordings
+from coadapt.analysis.kernels.adaptability import Steps, log_likelihood
 from coadapt.arrays import FloatArray, IntArray
 from coadapt.formalism import SharedAutonomy
 from coadapt.human.remembered import locate
@@ -35,7 +35,7 @@ class PersonModel:
             trial with a mode drawn from the model's prior.
         first_mode: index of the mode in which they are known to begin, or None for the model's
             prior.
-        lapse: probability of an input at random, all alike, in [0, 1): attention lapses, hands slip.
+        lapse: probability of an input at random, all alike, in [0, 1): hands slip.
 
     Raises:
         ValueError: if a number is out of its range.
@@ -92,7 +92,7 @@ class PersonModel:
 
 
 def log_likelihoods(person: PersonModel, recordings: Recordings, alpha: FloatArray) -> FloatArray:
-    """``[P, J]`` log likelihood (nats) of each participant's inputs at each of ``alpha`` ``[J]``."""
+    """``[P, J]`` log likelihood (nats) of each participant's inputs at each alpha of ``[J]``."""
     out = np.empty((len(recordings), len(alpha)))
     log_likelihood(person.steps(recordings), np.asarray(alpha, dtype=np.float64), out)
     return out

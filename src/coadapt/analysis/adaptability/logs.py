@@ -107,9 +107,7 @@ def _participants(
         name = row.recorded.get(column)
         if not isinstance(name, str) or name not in index:
             what = "nothing" if name is None else excerpt(str(name))
-            raise FileError(
-                path, row.line, f"found {what} as {column}, expected one of the task's"
-            )
+            raise FileError(path, row.line, f"found {what} as {column}, expected one of the task's")
         return index[name]
 
     people: dict[str, list[RecordedTrial]] = {}

@@ -25,8 +25,8 @@ FINE = 9
 """Size of each further grid, along either axis."""
 
 ZOOMS = 3
-"""Number of further grids; each is four times as fine as the one before. After three the angle of
-mean or spread (`_part`) is known to 1/2500, far within the standard error of thousands of people."""
+"""Number of further grids; each is four times as fine as the one before. After three the angle of a
+mean (`_part`) is known to 1/2500, far within its standard error with thousands of people."""
 
 
 @dataclass(frozen=True)
@@ -91,8 +91,8 @@ def fit_given_sd(evidence: Evidence, sd: float) -> BetaPopulation:
     if not 0 <= sd <= 0.5:
         raise ValueError(f"a standard deviation in [0, 1] is at most 0.5, not {sd}")
     # mean (1 - mean) >= sd^2
-    reach = np.sqrt(0.25 - sd**2)
-    mean = np.linspace(0.5 - reach, 0.5 + reach, COARSE_MEANS)
+    reach = float(np.sqrt(0.25 - sd**2))
+    mean: FloatArray = np.linspace(0.5 - reach, 0.5 + reach, COARSE_MEANS)
     best = (-np.inf, 0.5, 0.0)
     for _ in range(ZOOMS + 1):
         most = mean * (1.0 - mean)
@@ -102,15 +102,13 @@ def fit_given_sd(evidence: Evidence, sd: float) -> BetaPopulation:
         i = int(values.argmax())
         if values[i] > best[0]:
             best = (float(values[i]), float(mean[i]), float(spread[i]))
-        step = mean[1] - mean[0]
-        ends = np.clip((best[1] - step, best[1] + step), 0.5 - reach, 0.5 + reach)
-        mean = np.linspace(*ends, FINE)
+        step = float(mean[1] - mean[0])
+        low, high = max(0.5 - reach, best[1] - step), min(0.5 + reach, best[1] + step)
+        mean = np.linspace(low, high, FINE)
     return BetaPopulation(mean=best[1], spread=best[2], log_likelihood=best[0])
 
 
-def mean_interval(
-    evidence: Evidence, fitted: BetaPopulation, level: float = LEVEL
-) -> Interval:
+def mean_interval(evidence: Evidence, fitted: BetaPopulation, level: float = LEVEL) -> Interval:
     """The confidence interval of the mean adaptability, whatever the spread."""
     return profile_interval(
         lambda mean: fit_population(evidence, mean=mean).log_likelihood,

@@ -15,9 +15,9 @@ import numpy as np
 from coadapt.analysis.adaptability.beta import beta_weights
 from coadapt.analysis.adaptability.evidence import Evidence
 from coadapt.analysis.adaptability.intervals import LEVEL
-from coadapt.analysis.kernels.adaptability import smoothed_modes
 from coadapt.analysis.adaptability.likelihood import PersonModel
 from coadapt.analysis.adaptability.recordings import Recordings
+from coadapt.analysis.kernels.adaptability import smoothed_modes
 from coadapt.arrays import FloatArray
 
 

@@ -1,4 +1,4 @@
-"""What participants did, as plain records: all that a fit needs of a log, a simulation or a study."""
+"""What participants did, as plain records: all that a fit needs of a log or a study."""
 
 from __future__ import annotations
 

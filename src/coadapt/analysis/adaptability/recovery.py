@@ -1,4 +1,4 @@
-"""Whether the fit finds what was put in: many simulated studies with people of known adaptability."""
+"""Whether the fit finds what was put in: simulated studies with people of known adaptability."""
 
 from __future__ import annotations
 
@@ -101,6 +101,7 @@ def recover(
     participants: int,
     studies: int,
     rng: np.random.Generator,
+    *,
     level: float = LEVEL,
     tell: Callable[[int], None] | None = None,
 ) -> Recovery:

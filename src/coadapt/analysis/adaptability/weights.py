@@ -61,9 +61,7 @@ def fit_weights(
         return top if count == 1 else _value(likelihood, _climb(likelihood, j, weight))
 
     intervals = tuple(
-        profile_interval(
-            lambda w, j=j: given(j, w), float(free[j]), top, (0.0, 1.0), level
-        )
+        profile_interval(lambda w, j=j: given(j, w), float(free[j]), top, (0.0, 1.0), level)
         for j in range(count)
     )
     alpha = np.array(values)

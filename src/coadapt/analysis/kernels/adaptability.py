@@ -73,8 +73,8 @@ def smoothed_modes(steps: Steps, alpha: FloatArray, weight: FloatArray, out: Flo
     modes = len(steps.prior)
     out[:, :] = 0.0
     for p in range(len(steps.first_trial) - 1):
-        first = steps.first_step[steps.first_trial[p]]
-        last = steps.first_step[steps.first_trial[p + 1]]
+        first = int(steps.first_step[steps.first_trial[p]])
+        last = int(steps.first_step[steps.first_trial[p + 1]])
         begins = np.zeros(last - first + 1, dtype=np.bool_)
         for trial in range(steps.first_trial[p], steps.first_trial[p + 1]):
             begins[steps.first_step[trial] - first] = True
