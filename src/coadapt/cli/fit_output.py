@@ -68,9 +68,10 @@ def lines(found: AdaptabilityFit) -> Iterator[str]:
     """For people."""
     model, level = found.person.model, f"{100 * found.level:g} %"
     count = len(found.recordings)
+    all_trials, all_steps = len(found.recordings.first_step) - 1, len(found.recordings.state)
     yield (
-        f"{model.world.name}: {count:,} participant{'s' * (count != 1)}, {int(found.recordings.trials.sum()):,} trials, "
-        f"{int(found.recordings.steps.sum()):,} steps; memory {model.memory}"
+        f"{model.world.name}: {count:,} participant{'s' * (count != 1)}, {all_trials:,} trials, "
+        f"{all_steps:,} steps; memory {model.memory}"
     )
     yield ""
     yield f"Population (beta distribution, {level} intervals)"

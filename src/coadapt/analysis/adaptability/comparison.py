@@ -1,8 +1,8 @@
 """Models of people against each other: no adaptation, one alpha, a population; memories of k steps.
 
 All are judged by the same inputs: the largest log likelihood, AIC and BIC (participants count as
-the independent observations), the log of the evidence with uniform priors over the model's parameters,
-of which differences are logs of Bayes factors, and the log likelihood of each participant under the
+the independent observations), the log of the evidence with uniform priors over the parameters, of
+which differences are logs of Bayes factors, and the log likelihood of each participant under the
 population fitted to the others (leave one out).
 """
 

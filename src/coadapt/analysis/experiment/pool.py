@@ -65,7 +65,7 @@ class Pool:
         for t in range(trials):
             code += self.optimal[:, :, t].astype(np.int64) << t
         counts = [np.bincount(code[j], minlength=1 << trials) for j in range(self.points)]
-        return np.stack(counts) / code.shape[1]
+        return np.stack(counts) / self.optimal.shape[1]
 
     def draw(self, weights: FloatArray, shape: tuple[int, ...], rng: np.random.Generator) -> Drawn:
         """People drawn from a population with ``weights`` ``[J]``."""
