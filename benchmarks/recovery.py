@@ -1,6 +1,6 @@
 """Whether the fit finds what was put in: coverage and widths of the population's intervals.
 
-    python benchmarks/recovery.py [--studies 400] [--participants 200] [--out recovery.json]
+    python benchmarks/recovery.py [--studies 400] [--participants 200] [--figure FILE]
 
 Every true population is recovered from many simulated studies of the paper's task, with the
 mutual-adaptation robot planned here, three trials a person and beliefs carried over.
@@ -17,7 +17,9 @@ import numpy as np
 
 from coadapt.analysis.adaptability import PersonModel
 from coadapt.analysis.adaptability.draws import Design
-from coadapt.analysis.adaptability.recovery import recover
+from coadapt.analysis.adaptability.recovery import Recovery, recover
+from coadapt.report.figures import style
+from coadapt.report.figures.recovery import recovery
 from coadapt.robots.setup import RobotSetup
 
 ALIKE = (0.25, 0.5, 0.75, 1.0, 0.0, 0.02, 0.05, 0.1, 0.9, 0.95, 0.98)
@@ -34,10 +36,11 @@ def main() -> None:
     parser.add_argument("--participants", type=int, default=200)
     parser.add_argument("--seed", type=int, default=0)
     parser.add_argument("--out", type=Path, default=Path("recovery.json"))
+    parser.add_argument("--figure", type=Path, help="draw the result to this PNG file")
     given = parser.parse_args()
     robot = RobotSetup().build()
     design = Design(robot, PersonModel(robot.model, mode_lasts=True, first_mode=0))
-    rows: list[dict[str, object]] = []
+    done: list[Recovery] = []
     populations = [*((alpha, 0.0) for alpha in ALIKE), *SPREAD]
     for i, (mean, sd) in enumerate(populations):
         begin = time.perf_counter()
@@ -51,8 +54,11 @@ def main() -> None:
             f"{found.information:.2f} bits, {time.perf_counter() - begin:.0f} s",
             flush=True,
         )
-        rows.append(found.record())
-        given.out.write_text(json.dumps(rows))
+        done.append(found)
+        given.out.write_text(json.dumps([each.record() for each in done]))
+        if given.figure is not None:
+            with style.settings():
+                given.figure.write_bytes(style.render(recovery(done), "png"))
 
 
 if __name__ == "__main__":

@@ -22,6 +22,7 @@ from coadapt.simulation.log import (
     LONGEST_LINE,
     LONGEST_TRIAL,
     MOST_ROWS,
+    PARTICIPANT,
     TIME,
     TRIAL,
     DecisionCells,
@@ -309,7 +310,7 @@ def test_a_whole_log_replaces_nothing_but_files(tmp_path: Path) -> None:
 def test_the_reference_names_every_column_and_limit() -> None:
     page = (Path(__file__).parents[2] / "docs" / "reference" / "log-format.md").read_text()
     rows = [line.split("|")[1].strip(" `") for line in page.splitlines() if line.startswith("| `")]
-    assert rows == [TIME, INPUT, TRIAL, *DECISION_COLUMNS, "belief[alpha=A MODE]"]
+    assert rows == [TIME, INPUT, TRIAL, PARTICIPANT, *DECISION_COLUMNS, "belief[alpha=A MODE]"]
     for limit in (LARGEST_FILE, MOST_ROWS, LONGEST_TRIAL, LONGEST_LINE):
         assert f"{limit:,}" in page
     assert f"{FORMAT_LINE} {FORMAT}\n" in page

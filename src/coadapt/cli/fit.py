@@ -93,7 +93,7 @@ def command(
     figure: Path | None,
     as_json: bool,
 ) -> None:
-    """How adaptable each participant was, and how adaptability is distributed among them.
+    """Adaptability of people and populations, from logs.
 
     LOG is a log with decisions, written by `coadapt play`, `simulate --log` or a study. Several
     files are several participants; within a file the column "participant" tells them apart.

@@ -81,11 +81,16 @@ def _population(axes: Axes, found: AdaptabilityFit) -> None:
     axes.set_yticks(np.linspace(0, 1, 6))
     axes.set_xlabel("adaptability α")
     axes.set_ylabel("share of people")
-    axes.set_title(
-        f"The population: mean {found.mean.estimate:.2f} "
-        f"({found.mean.low:.2f} to {found.mean.high:.2f})"
+    axes.set_title("The population")
+    both = "\n".join(
+        f"{name} {value.estimate:.2f} ({value.low:.2f} to {value.high:.2f})"
+        for name, value in (("mean", found.mean), ("SD", found.sd))
     )
-    sd = f"SD {found.sd.estimate:.2f} ({found.sd.low:.2f} to {found.sd.high:.2f})"
     axes.legend(
-        frameon=False, fontsize=6.5, loc="upper left", labelcolor=MUTED, title=sd, alignment="left"
+        frameon=False,
+        fontsize=6.5,
+        loc="upper left",
+        labelcolor=MUTED,
+        title=both,
+        alignment="left",
     )
