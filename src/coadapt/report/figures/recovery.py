@@ -60,7 +60,8 @@ def _draw(
     label: str,
 ) -> None:
     mean = np.array([r.mean for r in some])
-    style: dict[str, Any] = {"color": color, "markersize": 3.8, "markeredgewidth": 0, "elinewidth": 1.0}
+    style: dict[str, Any] = {"color": color, "markersize": 3.8, "elinewidth": 1.0}
+    style["markeredgewidth"] = 0
     centre = np.array([np.median(r.estimate) for r in some])
     ends = np.array([np.quantile(r.estimate, (0.025, 0.975)) for r in some]).T
     reach = np.abs(ends - centre)
