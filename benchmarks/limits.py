@@ -55,12 +55,12 @@ def add_up(a: Any) -> float:
 
 
 @numba.njit
-def all_lower(tree: Any, nodes: int) -> float:
+def all_lower(tree: Any, nodes: int, scratch: Any) -> float:
     """Every node looks at all alpha vectors of its observed state."""
     total = 0.0
     for n in range(nodes):
         tree.nodes[n]["vectors_seen"] = NONE
-        total += refresh_lower(tree, n)
+        total += refresh_lower(tree, n, scratch)
     return total
 
 
@@ -126,11 +126,12 @@ def main() -> int:
             break
     tree: Any = search._tree
     nodes = int(tree.used[NODES])
+    scratch: Any = search._scratch
     x, entries = tree.nodes["x"][:nodes], tree.nodes["entries"][:nodes]
     hidden, lanes = tree.lane_alpha.shape[1:]
     groups = chain(tree.newest_group, tree.groups["older"])
     vectors = np.array([sum(int(tree.groups[g]["filled"]) for g in found) for found in groups])
-    taken = best_time(all_lower, tree, nodes)
+    taken = best_time(all_lower, tree, nodes, scratch)
     done = float((entries * vectors[x]).sum())
     # One look-up reads the vectors of one observed state.
     held = -(-int(vectors.max()) // lanes) * lanes * hidden * 8
@@ -144,7 +145,6 @@ def main() -> int:
         f"({done / taken / products:.0%} of arithmetic), {8 * done / taken / 1e9:.1f} GB/s "
         f"({8 * done / taken / limit_for(rates, held):.0%} of reading)"
     )
-    scratch = np.zeros(hidden)
     points = np.array([len(found) for found in chain(tree.newest_point, tree.points["older"])])
     taken = best_time(all_upper, tree, nodes, scratch)
     done = float(points[x].sum())

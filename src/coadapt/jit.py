@@ -44,8 +44,8 @@ def kernel(function: Function) -> Function:
 
 
 def inner(function: Function) -> Function:
-    """Compile ``function`` for kernels alone to call: what Python would need is left out."""
-    return _compiled(function, from_python=False)
+    """`bare`."""
+    return bare(function)
 
 
 def bare(function: Function) -> Function:

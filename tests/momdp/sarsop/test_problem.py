@@ -2,14 +2,38 @@
 
 from __future__ import annotations
 
+import numba
 import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from coadapt.arrays import FloatArray, IntArray
 from coadapt.momdp import MOMDP
-from coadapt.momdp.sarsop.problem import as_arrays, pull, push, row_of, staying
+from coadapt.momdp.sarsop.problem import Problem, as_arrays, pull, push, row_of, staying
 from tests.momdp.problems import dense_map
 from tests.momdp.strategies import jump_momdps, momdps
+
+
+@numba.njit
+def call_all(  # noqa: PLR0917 (arrays in, as kernels have it)
+    p: Problem,
+    k: int,
+    index: IntArray,
+    mass: FloatArray,
+    values: FloatArray,
+    outs: FloatArray,
+    places: IntArray,
+    chances: FloatArray,
+    sizes: IntArray,
+) -> None:
+    """What Python cannot call itself: one row of ``outs`` for each of `push`, `pull`, `staying`;
+    one of ``places`` and ``chances`` for each `row_of`."""
+    spare = np.empty(values.shape[0])
+    push(p, k, index, mass, outs[0], spare)
+    pull(p, k, 0.7, values, outs[1], spare)
+    staying(p, k, outs[2])
+    for y in range(values.shape[0]):
+        sizes[y] = row_of(p, k, y, places[y], chances[y])
 
 
 @given(momdps() | jump_momdps(mixing=True), st.integers(0, 2**32))
@@ -22,20 +46,20 @@ def test_kernels_apply_the_maps(problem: MOMDP, seed: int) -> None:
         # Mass on some of the hidden states.
         index = np.flatnonzero(rng.random(hidden) < 0.7)
         mass = rng.random(len(index))
-        out = np.full(hidden, np.nan)
-        push(arrays, k, index, mass, out)
-        np.testing.assert_allclose(out, mass @ dense[index], atol=1e-14)
         # Values are added to what is there, scaled.
         values, before = rng.normal(size=hidden), rng.normal(size=hidden)
-        out = before.copy()
-        pull(arrays, k, 0.7, values, out)
-        np.testing.assert_allclose(out, before + 0.7 * dense @ values, atol=1e-14)
-        staying(arrays, k, out)
-        np.testing.assert_allclose(out, np.diag(dense), atol=1e-14)
+        outs = np.full((3, hidden), np.nan)
+        outs[1] = before
+        places = np.zeros((hidden, hidden), dtype=np.int64)
+        chances = np.zeros((hidden, hidden))
+        sizes = np.zeros(hidden, dtype=np.int64)
+        call_all(arrays, k, index, mass, values, outs, places, chances, sizes)
+        np.testing.assert_allclose(outs[0], mass @ dense[index], atol=1e-14)
+        np.testing.assert_allclose(outs[1], before + 0.7 * dense @ values, atol=1e-14)
+        np.testing.assert_allclose(outs[2], np.diag(dense), atol=1e-14)
         for y in range(hidden):
-            places, chances = np.zeros(hidden, dtype=np.int64), np.zeros(hidden)
-            size = row_of(arrays, k, y, places, chances)
+            found = places[y, : sizes[y]]
             row = np.zeros(hidden)
-            row[places[:size]] = chances[:size]
+            row[found] = chances[y, : sizes[y]]
             np.testing.assert_allclose(row, dense[y], atol=1e-14)
-            assert len(set(places[:size].tolist())) == size
+            assert len(set(found.tolist())) == sizes[y]

@@ -2,9 +2,6 @@
 
 from __future__ import annotations
 
-import numpy as np
-
-from coadapt.arrays import FloatArray
 from coadapt.jit import inner
 from coadapt.momdp.sarsop.bounds import (
     add_point,
@@ -15,7 +12,7 @@ from coadapt.momdp.sarsop.bounds import (
 )
 from coadapt.momdp.sarsop.expand import expand_branch
 from coadapt.momdp.sarsop.problem import Problem, pull
-from coadapt.momdp.sarsop.tree import BACKUPS, NONE, Tree
+from coadapt.momdp.sarsop.tree import BACKUPS, NONE, Scratch, Tree
 
 GAIN = 1e-12
 """A bound moved when it moved by more than this part of its size."""
@@ -25,16 +22,16 @@ LARGE_PART = 0.1
 
 
 @inner
-def backup_upper(p: Problem, tree: Tree, n: int, scratch: FloatArray) -> int:
+def backup_upper(p: Problem, tree: Tree, n: int, scratch: Scratch) -> int:
     """Tighten the upper bounds of the actions of opened node ``n``; the action with the largest.
 
     Only the action that leads is looked at, again and again until it leads by an up-to-date
     bound: the others' old bounds are bounds still.
     """
-    actions = p.reward.shape[1]
     node = tree.nodes[n]
     r = node["first_branch"]
-    current = np.zeros(actions, dtype=np.bool_)
+    current = scratch.current
+    current[:] = False
     best = 0
     while True:
         best = leading_action(p, tree, n)
@@ -42,7 +39,7 @@ def backup_upper(p: Problem, tree: Tree, n: int, scratch: FloatArray) -> int:
             break
         current[best] = True
         if tree.branches[r + best]["first_child"] == NONE:
-            expand_branch(p, tree, n, best)
+            expand_branch(p, tree, n, best, scratch)
         branch = tree.branches[r + best]
         total = branch["reward"]
         first = branch["first_child"]
@@ -77,7 +74,7 @@ def leading_action(p: Problem, tree: Tree, n: int) -> int:
 
 
 @inner
-def backup_lower(p: Problem, tree: Tree, n: int) -> None:
+def backup_lower(p: Problem, tree: Tree, n: int, scratch: Scratch) -> None:
     """Add the alpha vector of the best action at opened node ``n``, if it raises the bound.
 
     Only actions that once led by their upper bound are looked at: the optimal one does sooner or
@@ -86,24 +83,25 @@ def backup_lower(p: Problem, tree: Tree, n: int) -> None:
     actions = p.reward.shape[1]
     node = tree.nodes[n]
     r = node["first_branch"]
-    refresh_lower(tree, n)
+    refresh_lower(tree, n, scratch)
     best = actions  # none
     best_value = node["lower"] + GAIN * (1.0 + abs(node["lower"]))
     for a in range(actions):
         branch = tree.branches[r + a]
         if branch["first_child"] != NONE and branch["upper"] > best_value:
-            value = q_lower(p, tree, r + a)
+            value = q_lower(p, tree, r + a, scratch)
             if value > best_value:
                 best = a
                 best_value = value
     if best < actions:
-        add_vector(tree, node["x"], backed_up_vector(p, tree, n, best), best)
-        refresh_lower(tree, n)
+        back_up_vector(p, tree, n, best, scratch)
+        add_vector(tree, node["x"], scratch.alpha, best)
+        refresh_lower(tree, n, scratch)
     tree.used[BACKUPS] += 1
 
 
 @inner
-def q_lower(p: Problem, tree: Tree, r: int) -> float:
+def q_lower(p: Problem, tree: Tree, r: int, scratch: Scratch) -> float:
     """Lower bound of ``Q`` of expanded branch ``r``, from the bounds of its children."""
     branch = tree.branches[r]
     total = branch["reward"]
@@ -112,14 +110,15 @@ def q_lower(p: Problem, tree: Tree, r: int) -> float:
         child = tree.children[c]
         below = tree.nodes[child["node"]]
         if tree.newest_vector[below["x"]] > below["vectors_seen"]:
-            refresh_lower(tree, child["node"])
+            refresh_lower(tree, child["node"], scratch)
         total += p.discount * child["probability"] * below["lower"]
     return total
 
 
 @inner
-def backed_up_vector(p: Problem, tree: Tree, n: int, a: int) -> FloatArray:
-    """``[Y]`` the value of taking ``a`` in node ``n`` and then what is best at each child.
+def back_up_vector(p: Problem, tree: Tree, n: int, a: int, scratch: Scratch) -> None:
+    """Write the value of taking ``a`` in node ``n`` and then what is best at each child to
+    ``scratch.alpha``.
 
     ``alpha(y) = R(x, a, y) + gamma sum_{x', y'} P(x', y' | x, y, a) sum_o O(o | y') alpha_o(y')``
     where ``alpha_o`` is the vector of the child reached by ``(x', o)``. Where the belief gives
@@ -128,9 +127,9 @@ def backed_up_vector(p: Problem, tree: Tree, n: int, a: int) -> FloatArray:
     node = tree.nodes[n]
     x = node["x"]
     hidden = p.reward.shape[2]
-    alpha = p.reward[x, a].copy()
-    mixed = np.empty(hidden)
-    chosen = np.empty(p.observations, dtype=np.int64)
+    alpha, mixed, chosen = scratch.alpha, scratch.mixed, scratch.chosen
+    for y in range(hidden):
+        alpha[y] = p.reward[x, a, y]
     row = x * p.reward.shape[1] + a
     branch = tree.branches[node["first_branch"] + a]
     c = branch["first_child"]
@@ -156,5 +155,4 @@ def backed_up_vector(p: Problem, tree: Tree, n: int, a: int) -> FloatArray:
             for j in range(p.seen_start[table + y], p.seen_start[table + y + 1]):
                 total += p.seen_chance[j] * tree.alpha[chosen[p.seen[j]], y]
             mixed[y] = total
-        pull(p, p.edge_map[e], p.discount, mixed, alpha)
-    return alpha
+        pull(p, p.edge_map[e], p.discount, mixed, alpha, scratch.spare)

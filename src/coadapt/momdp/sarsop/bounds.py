@@ -4,8 +4,6 @@ from __future__ import annotations
 
 from typing import Any
 
-import numpy as np
-
 from coadapt.arrays import FloatArray, IntArray
 from coadapt.jit import inner, kernel
 from coadapt.momdp.sarsop.tree import (
@@ -16,12 +14,13 @@ from coadapt.momdp.sarsop.tree import (
     NONE,
     POINTS,
     VECTORS,
+    Scratch,
     Tree,
 )
 
 
 @inner
-def refresh_lower(tree: Tree, n: int) -> float:
+def refresh_lower(tree: Tree, n: int, scratch: Scratch) -> float:
     """Raise the lower bound of node ``n`` by the alpha vectors it has not seen: max b . alpha."""
     node = tree.nodes[n]
     x = node["x"]
@@ -30,7 +29,7 @@ def refresh_lower(tree: Tree, n: int) -> float:
         node["vectors_seen"] = tree.newest_vector[x]
         first = node["first_entry"]
         last = first + node["entries"]
-        totals = np.empty(tree.lane_alpha.shape[2])
+        totals = scratch.totals
         g = tree.newest_group[x]
         while g != NONE and tree.groups[g]["newest"] > seen:
             filled = tree.groups[g]["filled"]
@@ -74,11 +73,11 @@ def lane_totals(alpha: FloatArray, index: IntArray, mass: FloatArray, totals: Fl
 
 
 @inner
-def refresh_upper(tree: Tree, n: int, scratch: FloatArray) -> float:
+def refresh_upper(tree: Tree, n: int, scratch: Scratch) -> float:
     """Lower the upper bound of node ``n`` by the points it has not seen (sawtooth).
 
     A point ``(b', v')`` bounds ``V(b) <= c(b) - (c(b') - v') min_{y: b'(y) > 0} b(y) / b'(y)``,
-    where ``c`` interpolates the corners. ``scratch`` ``[Y]`` is zero before and after.
+    where ``c`` interpolates the corners.
     """
     node = tree.nodes[n]
     i_point = tree.newest_point[node["x"]]
@@ -88,22 +87,22 @@ def refresh_upper(tree: Tree, n: int, scratch: FloatArray) -> float:
     node["points_seen"] = i_point
     first = node["first_entry"]
     last = first + node["entries"]
+    mass, useful = scratch.mass, scratch.useful
     for i in range(first, last):
-        scratch[tree.entry_y[i]] = tree.entry_mass[i]
+        mass[tree.entry_y[i]] = tree.entry_mass[i]
     below = node["corners"] - node["upper"]
     outside = ~node["support"]
-    useful = np.empty(BLOCK, dtype=np.int64)
     while i_point > seen:
         oldest = max(seen + 1, i_point - i_point % BLOCK)
         size = 0
         for i in range(i_point, oldest - 1, -1):
             useful[size] = i
-            size += int(may_help(tree.points[i], below, outside, scratch))
+            size += int(may_help(tree.points[i], below, outside, mass))
         for j in range(size):
-            below = max(below, drop_by(tree, useful[j], below, scratch))
+            below = max(below, drop_by(tree, useful[j], below, mass))
         i_point = tree.points[oldest]["older"]
     for i in range(first, last):
-        scratch[tree.entry_y[i]] = 0.0
+        mass[tree.entry_y[i]] = 0.0
     lower_upper(tree, n, node["corners"] - below)
     return node["upper"]
 
@@ -155,7 +154,7 @@ def lower_upper(tree: Tree, n: int, upper: float) -> None:
             tree.points[node["point"]]["drop"] = node["corners"] - upper
 
 
-@kernel
+@inner
 def add_vector(tree: Tree, x: int, alpha: FloatArray, action: int) -> int:
     """Append alpha vector ``alpha`` ``[Y]`` of observed state ``x``; its index.
 
@@ -194,11 +193,11 @@ def add_vector(tree: Tree, x: int, alpha: FloatArray, action: int) -> int:
 
 
 @kernel
-def add_vectors(tree: Tree, values: FloatArray, actions: IntArray) -> None:
-    """Append the alpha vectors ``values`` ``[X, Y]``, one for each observed state, with their
-    ``actions`` ``[X]``."""
-    for x in range(values.shape[0]):
-        add_vector(tree, x, values[x], actions[x])
+def add_vectors(tree: Tree, x: IntArray, values: FloatArray, actions: IntArray) -> None:
+    """Append the alpha vectors ``values`` ``[V, Y]`` of the observed states ``x`` ``[V]`` with
+    their ``actions`` ``[V]``."""
+    for i in range(values.shape[0]):
+        add_vector(tree, x[i], values[i], actions[i])
 
 
 @inner

@@ -130,6 +130,7 @@ def run_steps(
     chance = np.empty(hidden)
     into = np.empty(hidden, dtype=np.int64)
     moved = np.empty(hidden)
+    spare = np.empty(hidden)
     values = np.empty(np.max(policy.start[1:] - policy.start[:-1]))
     taken = 0
     for n in range(uniform.shape[0]):
@@ -162,7 +163,7 @@ def run_steps(
             now.x[n] = x_next
             now.y[n] = into[0]
             o = draw_observation(p, p.table[a, x_next] * hidden + now.y[n], uniform[n, t, 1])
-            follow(p, row, x_next, index[:size], mass[:size], moved, now.belief[n])
+            follow(p, row, x_next, index[:size], mass[:size], moved, spare, now.belief[n])
             correct(p, p.table[a, x_next] * hidden, o, now.belief[n])
     return taken
 
@@ -237,16 +238,17 @@ def follow(
     index: IntArray,
     mass: FloatArray,
     moved: FloatArray,
+    spare: FloatArray,
     out: FloatArray,
 ) -> None:
     """Write the mass that ``row`` of the edges carries to ``x_next`` to ``out`` ``[Y]``.
 
-    ``moved`` ``[Y]`` is scratch.
+    ``moved`` and ``spare`` ``[Y]`` are scratch.
     """
     out[:] = 0.0
     for e in range(p.edge_start[row], p.edge_start[row + 1]):
         if p.edge_next[e] == x_next:
-            push(p, p.edge_map[e], index, mass, moved)
+            push(p, p.edge_map[e], index, mass, moved, spare)
             for y in range(out.shape[0]):
                 out[y] += moved[y]
 

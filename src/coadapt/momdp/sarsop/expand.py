@@ -7,7 +7,7 @@ import numpy as np
 from coadapt.arrays import FloatArray, IntArray
 from coadapt.jit import inner, kernel
 from coadapt.momdp.sarsop.problem import Problem, push
-from coadapt.momdp.sarsop.tree import BRANCHES, CHILDREN, ENTRIES, NODES, NONE, Tree
+from coadapt.momdp.sarsop.tree import BRANCHES, CHILDREN, ENTRIES, NODES, NONE, Scratch, Tree
 
 NEGLIGIBLE = 1e-20
 """Belief entries below this are left out: too small to move a bound by a unit in the last place."""
@@ -27,6 +27,12 @@ SUPPORT_BITS = 62
 
 
 @kernel
+def plant(tree: Tree, x: int, index: IntArray, mass: FloatArray) -> int:
+    """`add_node` for Python to call."""
+    return add_node(tree, x, index, mass)
+
+
+@inner
 def add_node(tree: Tree, x: int, index: IntArray, mass: FloatArray) -> int:
     """The node of observed state ``x`` and the belief with ``mass`` on ``index``; new if need be.
 
@@ -118,7 +124,7 @@ def open_node(p: Problem, tree: Tree, n: int) -> None:
 
 
 @inner
-def expand_branch(p: Problem, tree: Tree, n: int, a: int) -> None:
+def expand_branch(p: Problem, tree: Tree, n: int, a: int, scratch: Scratch) -> None:
     """Give branch ``a`` of node ``n`` its children: every successor and observation."""
     _, actions, hidden = p.reward.shape
     node = tree.nodes[n]
@@ -126,14 +132,14 @@ def expand_branch(p: Problem, tree: Tree, n: int, a: int) -> None:
     last = first + node["entries"]
     branch = tree.branches[node["first_branch"] + a]
     branch["first_child"] = tree.used[CHILDREN]
-    pushed = np.empty(hidden)
-    chance = np.empty(p.observations)
-    begin = np.empty(p.observations, dtype=np.int64)  # where the entries of each child begin
-    end = np.empty(p.observations, dtype=np.int64)
+    pushed, chance = scratch.pushed, scratch.chance
+    begin, end = scratch.begin, scratch.end  # where the entries of each child begin and end
+    index, mass = scratch.seen, scratch.part
     row = node["x"] * actions + a
     for e in range(p.edge_start[row], p.edge_start[row + 1]):
         x_next = p.edge_next[e]
-        push(p, p.edge_map[e], tree.entry_y[first:last], tree.entry_mass[first:last], pushed)
+        support, held = tree.entry_y[first:last], tree.entry_mass[first:last]
+        push(p, p.edge_map[e], support, held, pushed, scratch.spare)
         # How likely is each observation, and on how many hidden states does it lie?
         chance[:] = 0.0
         end[:] = 0
@@ -148,8 +154,6 @@ def expand_branch(p: Problem, tree: Tree, n: int, a: int) -> None:
             begin[o] = total
             total += end[o]
             end[o] = begin[o]
-        index = np.empty(total, dtype=np.int64)
-        mass = np.empty(total)
         for y in range(hidden):
             if pushed[y] > 0.0:
                 for j in range(p.seen_start[table + y], p.seen_start[table + y + 1]):
@@ -164,8 +168,8 @@ def expand_branch(p: Problem, tree: Tree, n: int, a: int) -> None:
                 c = tree.used[CHILDREN]
                 tree.used[CHILDREN] += 1
                 child = tree.children[c]
-                entries = slice(begin[o], end[o])
-                child["node"] = add_node(tree, x_next, index[entries], mass[entries])
+                at, to = begin[o], end[o]
+                child["node"] = add_node(tree, x_next, index[at:to], mass[at:to])
                 child["probability"] = chance[o]
                 child["edge"] = e
                 child["observation"] = o

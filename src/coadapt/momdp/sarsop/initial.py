@@ -55,6 +55,7 @@ def mdp_values(p: Problem, tolerance: float, sweeps: int) -> FloatArray:
     moved = np.zeros(states, dtype=np.int64)  # the sweep in which a value of x last moved
     new = np.empty(hidden)
     best = np.empty(hidden)
+    spare = np.empty(hidden)
     needless = np.empty((states, actions), dtype=np.bool_)
     for x in range(states):
         for a in range(actions):
@@ -70,8 +71,8 @@ def mdp_values(p: Problem, tolerance: float, sweeps: int) -> FloatArray:
             for a in range(actions):
                 if needless[x, a]:
                     continue
-                back_up(p, x, a, value, new)
-                leave(p, x, a, value, new)
+                back_up(p, x, a, value, new, spare)
+                leave(p, x, a, value, new, spare)
                 for y in range(hidden):
                     best[y] = max(best[y], new[y])
             step = 0.0
@@ -87,7 +88,7 @@ def mdp_values(p: Problem, tolerance: float, sweeps: int) -> FloatArray:
     short = 0.0
     for x in range(states):
         for a in range(actions):
-            back_up(p, x, a, value, new)
+            back_up(p, x, a, value, new, spare)
             for y in range(hidden):
                 short = max(short, new[y] - value[x, y])
     most = extreme_value(p, 1.0)
@@ -97,7 +98,7 @@ def mdp_values(p: Problem, tolerance: float, sweeps: int) -> FloatArray:
     q = np.empty((states, actions, hidden))
     for x in range(states):
         for a in range(actions):
-            back_up(p, x, a, value, q[x, a])
+            back_up(p, x, a, value, q[x, a], spare)
     return q
 
 
@@ -141,25 +142,34 @@ def leads_to_moved(p: Problem, x: int, moved: IntArray, since: int) -> bool:
 
 
 @inner
-def back_up(p: Problem, x: int, a: int, value: FloatArray, out: FloatArray) -> None:
-    """Write ``R(x, a, .) + gamma sum P(x', y' | x, ., a) value(x', y')`` to ``out`` ``[Y]``."""
+def back_up(
+    p: Problem, x: int, a: int, value: FloatArray, out: FloatArray, spare: FloatArray
+) -> None:
+    """Write ``R(x, a, .) + gamma sum P(x', y' | x, ., a) value(x', y')`` to ``out`` ``[Y]``.
+
+    ``spare`` ``[Y]`` is scratch.
+    """
     for y in range(out.shape[0]):
         out[y] = p.reward[x, a, y]
     row = x * p.reward.shape[1] + a
     for e in range(p.edge_start[row], p.edge_start[row + 1]):
-        pull(p, p.edge_map[e], p.discount, value[p.edge_next[e]], out)
+        pull(p, p.edge_map[e], p.discount, value[p.edge_next[e]], out, spare)
 
 
 @inner
-def leave(p: Problem, x: int, a: int, value: FloatArray, out: FloatArray) -> None:
+def leave(
+    p: Problem, x: int, a: int, value: FloatArray, out: FloatArray, stays: FloatArray
+) -> None:
     """Turn ``out`` ``[Y]``, the backed-up value of ``a`` once, into that of ``a`` until ``(x, y)``
-    changes: all turns of the loop at once, which saves their sweeps."""
+    changes: all turns of the loop at once, which saves their sweeps.
+
+    ``stays`` ``[Y]`` is scratch.
+    """
     row = x * p.reward.shape[1] + a
     for e in range(p.edge_start[row], p.edge_start[row + 1]):
         if p.edge_next[e] != x:
             continue
         # Edges of one row lead to different states, so this is the only loop.
-        stays = np.empty(out.shape[0])
         staying(p, p.edge_map[e], stays)
         for y in range(out.shape[0]):
             stay = p.discount * stays[y]
@@ -179,8 +189,12 @@ def fast_informed_bound(
     chance = np.empty(hidden)
     after = np.zeros((p.observations, actions))
     touched = np.zeros(p.observations, dtype=np.int64)
-    single = single_valued(p)
+    maps = p.target.shape[0] if p.jumps else (p.row_start.shape[0] - 1) // hidden
+    single = np.empty(maps, dtype=np.bool_)
+    for k in range(maps):
+        single[k] = is_single_valued(p, k, index, chance)
     new = np.empty(hidden)
+    spare = np.empty(hidden)
     value = np.empty((states, hidden))
     for x in range(states):
         for y in range(hidden):
@@ -198,7 +212,7 @@ def fast_informed_bound(
             step = 0.0
             for a in range(actions):
                 if tells_nothing(p, x, a, single):
-                    back_up(p, x, a, value, new)
+                    back_up(p, x, a, value, new, spare)
                 else:
                     row = x * actions + a
                     new[:] = p.reward[x, a]
@@ -226,7 +240,7 @@ def fast_informed_bound(
 def tells_nothing(p: Problem, x: int, a: int, single: BoolArray) -> bool:
     """Whether, the hidden state once known, no observation after ``a`` in ``x`` adds to it.
 
-    ``single`` ``[K]`` is `single_valued`.
+    ``single`` ``[K]`` says which maps are single-valued.
     """
     row = x * p.reward.shape[1] + a
     for e in range(p.edge_start[row], p.edge_start[row + 1]):
@@ -236,19 +250,15 @@ def tells_nothing(p: Problem, x: int, a: int, single: BoolArray) -> bool:
 
 
 @inner
-def single_valued(p: Problem) -> BoolArray:
-    """``[K]`` whether each map leads from every hidden state to one alone."""
-    hidden = p.reward.shape[2]
-    maps = p.target.shape[0] if p.jumps else (p.row_start.shape[0] - 1) // hidden
-    index = np.empty(hidden, dtype=np.int64)
-    chance = np.empty(hidden)
-    single = np.ones(maps, dtype=np.bool_)
-    for k in range(maps):
-        for y in range(hidden):
-            if row_of(p, k, y, index, chance) > 1:
-                single[k] = False
-                break
-    return single
+def is_single_valued(p: Problem, k: int, index: IntArray, chance: FloatArray) -> bool:
+    """Whether map ``k`` leads from every hidden state to one alone.
+
+    ``index`` and ``chance`` ``[Y]`` are scratch.
+    """
+    for y in range(p.reward.shape[2]):
+        if row_of(p, k, y, index, chance) > 1:
+            return False
+    return True
 
 
 @inner
@@ -308,6 +318,7 @@ def policy_values(
     value = np.empty((states, hidden))
     value.fill(extreme_value(p, -1.0))
     new = np.empty(hidden)
+    spare = np.empty(hidden)
     moved = np.zeros(states, dtype=np.int64)
     for sweep in range(1, sweeps + 1):
         change = 0.0
@@ -315,8 +326,8 @@ def policy_values(
             if sweep > 1 and not leads_to_moved(p, x, moved, sweep - 1):
                 continue
             a = int(policy[x])
-            back_up(p, x, a, value, new)
-            leave(p, x, a, value, new)
+            back_up(p, x, a, value, new, spare)
+            leave(p, x, a, value, new, spare)
             step = 0.0
             for y in range(hidden):
                 step = max(step, new[y] - value[x, y])

@@ -8,7 +8,7 @@ import numpy as np
 from scipy import sparse
 
 from coadapt.arrays import FloatArray, IntArray
-from coadapt.jit import kernel
+from coadapt.jit import inner
 from coadapt.momdp.model import MOMDP
 from coadapt.momdp.transition import JumpTransition
 
@@ -63,9 +63,14 @@ def as_arrays(problem: MOMDP) -> Problem:
     )
 
 
-@kernel
-def push(p: Problem, k: int, index: IntArray, mass: FloatArray, out: FloatArray) -> None:
-    """Write ``mass @ J_k`` to ``out`` ``[Y]``; ``mass`` lies on the hidden states ``index``."""
+@inner
+def push(
+    p: Problem, k: int, index: IntArray, mass: FloatArray, out: FloatArray, spare: FloatArray
+) -> None:
+    """Write ``mass @ J_k`` to ``out`` ``[Y]``; ``mass`` lies on the hidden states ``index``.
+
+    ``spare`` ``[Y]`` is scratch.
+    """
     out[:] = 0.0
     hidden = out.shape[0]
     if not p.jumps:
@@ -85,17 +90,20 @@ def push(p: Problem, k: int, index: IntArray, mass: FloatArray, out: FloatArray)
             out[b * modes + m] += mass[i] * jump
         out[y] += mass[i] * max(stay, 0.0)
     if p.mixing.shape[0] > 0:
-        moved = out.copy()
-        out[:] = 0.0
+        for y in range(hidden):
+            spare[y] = out[y]
+            out[y] = 0.0
         for b in range(blocks):
             for b_next in range(blocks):
                 for m in range(modes):
-                    out[b_next * modes + m] += moved[b * modes + m] * p.mixing[b, b_next]
+                    out[b_next * modes + m] += spare[b * modes + m] * p.mixing[b, b_next]
 
 
-@kernel
-def pull(p: Problem, k: int, scale: float, values: FloatArray, out: FloatArray) -> None:
-    """Add ``scale * J_k @ values`` to ``out``; both are ``[Y]``."""
+@inner
+def pull(
+    p: Problem, k: int, scale: float, values: FloatArray, out: FloatArray, spare: FloatArray
+) -> None:
+    """Add ``scale * J_k @ values`` to ``out``; both are ``[Y]``, and so is ``spare``, scratch."""
     hidden = out.shape[0]
     if not p.jumps:
         for y in range(hidden):
@@ -107,7 +115,8 @@ def pull(p: Problem, k: int, scale: float, values: FloatArray, out: FloatArray) 
     blocks, modes = p.rate.shape
     mixed = values
     if p.mixing.shape[0] > 0:
-        mixed = np.zeros(hidden)
+        mixed = spare
+        mixed[:] = 0.0
         for b in range(blocks):
             for b_next in range(blocks):
                 for m in range(modes):
@@ -123,7 +132,7 @@ def pull(p: Problem, k: int, scale: float, values: FloatArray, out: FloatArray) 
             out[b * modes + m] += scale * (max(stay, 0.0) * mixed[b * modes + m] + jumped)
 
 
-@kernel
+@inner
 def row_of(p: Problem, k: int, y: int, index: IntArray, chance: FloatArray) -> int:
     """Write row ``y`` of ``J_k`` as pairs of ``index`` and ``chance`` ``[Y]``; their number."""
     hidden = p.reward.shape[2]
@@ -153,7 +162,7 @@ def row_of(p: Problem, k: int, y: int, index: IntArray, chance: FloatArray) -> i
     return size
 
 
-@kernel
+@inner
 def staying(p: Problem, k: int, out: FloatArray) -> None:
     """Write the probability with which ``J_k`` keeps each hidden state to ``out`` ``[Y]``."""
     hidden = out.shape[0]

@@ -17,17 +17,18 @@ from coadapt.momdp.sarsop.tree import (
     NONE,
     POINTS,
     VECTORS,
+    Records,
     Tree,
 )
 
 
-@inner
+@kernel
 def retire_vectors(tree: Tree) -> None:
     """Leave out of the look-up the alpha vectors at which no opened node has its bound.
 
     They stay where they are, for nodes that hold them and for the policy.
     """
-    count = tree.used[VECTORS]
+    count = int(tree.used[VECTORS])
     wanted = np.zeros(count, dtype=np.bool_)
     for n in range(tree.used[NODES]):
         node = tree.nodes[n]
@@ -50,14 +51,16 @@ def retire_vectors(tree: Tree) -> None:
                     kept += 1
                 v = tree.vectors[v]["older"]
             tree.vectors[previous]["older"] = NONE
-    regroup(tree)
+    regroup(tree, np.empty(count, dtype=np.int64))
     tree.used[LISTED] = tree.used[KEPT] = kept
 
 
 @inner
-def regroup(tree: Tree) -> None:
-    """Fill the groups anew from the lists of alpha vectors, the oldest first."""
-    stack = np.empty(tree.used[VECTORS], dtype=np.int64)
+def regroup(tree: Tree, stack: IntArray) -> None:
+    """Fill the groups anew from the lists of alpha vectors, the oldest first.
+
+    ``stack`` is scratch with a place for each vector.
+    """
     tree.used[GROUPS] = 0
     for x in range(tree.newest_vector.shape[0]):
         tree.newest_group[x] = NONE
@@ -74,7 +77,7 @@ def regroup(tree: Tree) -> None:
 @kernel
 def prune_vectors(tree: Tree) -> None:
     """Drop the alpha vectors that another one replaced, keeping the order of the rest."""
-    count = tree.used[VECTORS]
+    count = int(tree.used[VECTORS])
     place = np.empty(count, dtype=np.int64)  # where the newest vector kept so far, up to v, goes
     used = 0
     for v in range(count):
@@ -107,7 +110,7 @@ def prune_vectors(tree: Tree) -> None:
         if tree.newest_vector[x] != NONE:
             tree.newest_vector[x] = place[tree.newest_vector[x]]
     tree.used[VECTORS] = used
-    regroup(tree)
+    regroup(tree, np.empty(count, dtype=np.int64))
 
 
 SMALL_PART = 0.002
@@ -165,14 +168,17 @@ def retire_points(tree: Tree) -> None:
             if is_superfluous(tree, stack[:size], j, mass):
                 tree.nodes[tree.points[stack[j]]["node"]]["point"] = NONE
                 stack[j] = NONE
-    close_ranks(tree, stack)
+    count = int(tree.used[POINTS])
+    close_ranks(tree, tree.points[:count].copy(), stack, np.empty(count, dtype=np.int64))
 
 
 @inner
-def close_ranks(tree: Tree, stack: IntArray) -> None:
-    """Lay out anew the points that are their nodes' own; ``stack`` is scratch for as many."""
-    old = tree.points[: tree.used[POINTS]].copy()
-    place = np.empty(old.shape[0], dtype=np.int64)  # where the newest one kept, up to each, goes
+def close_ranks(tree: Tree, old: Records, stack: IntArray, place: IntArray) -> None:
+    """Lay out anew those of the points ``old`` that are their nodes' own.
+
+    ``stack`` and ``place`` are scratch for as many; ``place`` is where the newest one kept, up to
+    each, goes.
+    """
     tree.used[POINTS] = 0
     kept = 0
     for x in range(tree.newest_point.shape[0]):

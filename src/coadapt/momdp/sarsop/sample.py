@@ -20,7 +20,6 @@ from coadapt.momdp.sarsop.backup import backup_lower, backup_upper, q_lower
 from coadapt.momdp.sarsop.bounds import refresh_lower, refresh_upper
 from coadapt.momdp.sarsop.expand import expand_branch, open_node
 from coadapt.momdp.sarsop.problem import Problem
-from coadapt.momdp.sarsop.prune import retire_points, retire_vectors
 from coadapt.momdp.sarsop.tree import (
     BACKUPS,
     CHILDREN,
@@ -32,17 +31,18 @@ from coadapt.momdp.sarsop.tree import (
     POINTS,
     TRIALS,
     VECTORS,
+    Scratch,
     Tree,
     has_room,
 )
 
 # What `run_trials` ended for.
-CLOSED, WORKED, NO_ROOM, STALLED = range(4)
+CLOSED, WORKED, NO_ROOM, STALLED, MANY_VECTORS, MANY_POINTS = range(6)
 
 DEPTH_LIMIT = 2000
 
 TOO_MANY = 2
-"""Unused alpha vectors retire when there are this many times as many as after the last time."""
+"""Vectors or points retire when there are this many times as many as after the last time."""
 
 PATIENCE = 100
 """So many trials in a row that change nothing mean that the bounds have met their precision."""
@@ -102,27 +102,27 @@ def run_trials(
     roots: IntArray,
     gap: float,
     relative_gap: float,
-    backups: int,
+    stop: int,
     room: IntArray,
+    scratch: Scratch,
 ) -> int:
-    """Run trials until the gap is closed at every root or ``backups`` more are done.
+    """Run trials until the gap is closed at every root or the number of backups is ``stop``.
 
     It is closed where it is at most ``gap`` or at most ``relative_gap`` times both bounds.
 
     Returns:
-        `CLOSED`, `WORKED`, `STALLED` where the bounds no longer move, or `NO_ROOM` where a trial
-        was broken off for want of ``room``.
+        `CLOSED`, `WORKED`, `STALLED` where the bounds no longer move, `NO_ROOM` where a trial
+        was broken off for want of ``room``, or `MANY_VECTORS` or `MANY_POINTS` where some of them
+        should retire.
     """
-    scratch = np.zeros(p.reward.shape[2])
     path = np.empty(DEPTH_LIMIT + 1, dtype=np.int64)
-    stop = tree.used[BACKUPS] + backups
     idle = 0
     while True:
         before = tree.used[VECTORS] + tree.used[POINTS] + tree.used[CHILDREN]
         widest = allowed = 0.0
         root = roots[0]
         for n in roots:
-            upper, lower = refresh_upper(tree, n, scratch), refresh_lower(tree, n)
+            upper, lower = refresh_upper(tree, n, scratch), refresh_lower(tree, n, scratch)
             close = max(gap, relative_gap * max(lower, -upper))
             if upper - lower > close and upper - lower > widest:
                 widest = upper - lower
@@ -133,9 +133,9 @@ def run_trials(
         if tree.used[BACKUPS] >= stop:
             return WORKED
         if tree.used[LISTED] > TOO_MANY * tree.used[KEPT] + FEW:
-            retire_vectors(tree)
+            return MANY_VECTORS
         if tree.used[LISTED_POINTS] > TOO_MANY * tree.used[KEPT_POINTS] + FEW:
-            retire_points(tree)
+            return MANY_POINTS
         tree.used[TRIALS] += 1
         exploit = tree.used[TRIALS] % 2 == 0
         aim = max(allowed, HALF * widest)
@@ -146,7 +146,7 @@ def run_trials(
             if not has_room(tree, room):
                 return NO_ROOM
             backup_upper(p, tree, path[i], scratch)
-            backup_lower(p, tree, path[i])
+            backup_lower(p, tree, path[i], scratch)
         if tree.used[VECTORS] + tree.used[POINTS] + tree.used[CHILDREN] > before:
             idle = 0
         else:
@@ -156,12 +156,12 @@ def run_trials(
 
 
 @inner
-def policy_action(p: Problem, tree: Tree, n: int) -> int:
+def policy_action(p: Problem, tree: Tree, n: int, scratch: Scratch) -> int:
     """The action that the policy so far takes at opened node ``n``; its branch has children."""
-    refresh_lower(tree, n)
+    refresh_lower(tree, n, scratch)
     a = int(tree.vectors[tree.nodes[n]["vector"]]["action"])
     if tree.branches[tree.nodes[n]["first_branch"] + a]["first_child"] == NONE:
-        expand_branch(p, tree, n, a)
+        expand_branch(p, tree, n, a, scratch)
     return a
 
 
@@ -174,7 +174,7 @@ def descend(
     gap: float,
     room: IntArray,
     path: IntArray,
-    scratch: FloatArray,
+    scratch: Scratch,
     exploit: bool,
 ) -> int:
     """Write the nodes of a trial to ``path``; the index of the last, or -1 for want of room.
@@ -183,7 +183,7 @@ def descend(
     """
     n = root
     allowed = gap
-    target_lower = refresh_lower(tree, n)
+    target_lower = refresh_lower(tree, n, scratch)
     target_upper = target_lower + gap
     depth = 0
     while True:
@@ -194,8 +194,8 @@ def descend(
             open_node(p, tree, n)
         best = backup_upper(p, tree, n, scratch)
         if exploit:
-            best = policy_action(p, tree, n)
-        lower = refresh_lower(tree, n)
+            best = policy_action(p, tree, n, scratch)
+        lower = refresh_lower(tree, n, scratch)
         upper = tree.nodes[n]["upper"]
         if depth == DEPTH_LIMIT or upper - lower <= 0.0 or p.discount == 0.0:
             return depth
@@ -206,7 +206,7 @@ def descend(
         ):
             return depth
         r = tree.nodes[n]["first_branch"] + best
-        value = q_lower(p, tree, r)
+        value = q_lower(p, tree, r, scratch)
         target_lower = max(target_lower, value)
         target_upper = max(target_upper, value + allowed)
         allowed /= p.discount

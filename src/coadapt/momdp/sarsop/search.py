@@ -10,8 +10,8 @@ from coadapt.arrays import FloatArray, IntArray
 from coadapt.jit import is_compiled
 from coadapt.momdp.model import MOMDP, Root
 from coadapt.momdp.policy import AlphaVectorPolicy
-from coadapt.momdp.sarsop.bounds import add_vector, add_vectors
-from coadapt.momdp.sarsop.expand import add_node
+from coadapt.momdp.sarsop.bounds import add_vectors
+from coadapt.momdp.sarsop.expand import plant
 from coadapt.momdp.sarsop.initial import (
     SETTLED,
     fast_informed_bound,
@@ -20,8 +20,17 @@ from coadapt.momdp.sarsop.initial import (
     policy_values,
 )
 from coadapt.momdp.sarsop.problem import Problem, as_arrays
-from coadapt.momdp.sarsop.prune import prune_vectors, retire_points
-from coadapt.momdp.sarsop.sample import CLOSED, NO_ROOM, STALLED, Bins, new_bins, run_trials
+from coadapt.momdp.sarsop.prune import prune_vectors, retire_points, retire_vectors
+from coadapt.momdp.sarsop.sample import (
+    CLOSED,
+    MANY_POINTS,
+    MANY_VECTORS,
+    NO_ROOM,
+    STALLED,
+    Bins,
+    new_bins,
+    run_trials,
+)
 from coadapt.momdp.sarsop.solution import Record, Solution, Status
 from coadapt.momdp.sarsop.start import controller, controller_values
 from coadapt.momdp.sarsop.tree import (
@@ -41,6 +50,7 @@ from coadapt.momdp.sarsop.tree import (
     Tree,
     grow,
     lacking,
+    new_scratch,
     new_tree,
     size_after,
     size_of,
@@ -119,6 +129,7 @@ class Search:
         self._room[BRANCHES] = actions
         self._room[VECTORS] = self._room[GROUPS] = 1
         self._room[POINTS] = BLOCK
+        self._scratch = new_scratch(self._arrays)
         self._tree, self._bins = self._begin(self._arrays, start)
         self._roots = self._plant()
         # With any gap allowed the roots look at the first vectors, and nothing is searched.
@@ -136,16 +147,25 @@ class Search:
         limit = self._memory_limit
         if limit is not None and size_of(self._tree) > limit:
             return Status.MEMORY
-        state = run_trials(
-            self._arrays,
-            self._tree,
-            self._bins,
-            self._roots,
-            gap,
-            relative_gap,
-            backups,
-            self._room,
-        )
+        stop = self.backups + backups
+        while True:
+            state = run_trials(
+                self._arrays,
+                self._tree,
+                self._bins,
+                self._roots,
+                gap,
+                relative_gap,
+                stop,
+                self._room,
+                self._scratch,
+            )
+            if state == MANY_VECTORS:
+                retire_vectors(self._tree)
+            elif state == MANY_POINTS:
+                retire_points(self._tree)
+            else:
+                break
         if state != NO_ROOM:
             return ENDS.get(state)
         self.tidy(self._room)
@@ -161,6 +181,7 @@ class Search:
         short = lacking(self._tree, room)
         if VECTORS in short or GROUPS in short:
             prune_vectors(self._tree)
+            retire_vectors(self._tree)
         if POINTS in short:
             retire_points(self._tree)
 
@@ -223,9 +244,10 @@ class Search:
         tree = grow(tree, room)
         for policy, order in policies:
             blind = states > 1 and bool((policy == policy[0]).all())
-            values = FEWER_VALUES if blind else VALUES
-            sweeps = min(SWEEPS, max(5, values // self._problem.states))
-            add_vectors(tree, policy_values(p, policy, order, tolerance, sweeps), policy)
+            most = FEWER_VALUES if blind else VALUES
+            sweeps = min(SWEEPS, max(5, most // self._problem.states))
+            values = policy_values(p, policy, order, tolerance, sweeps)
+            add_vectors(tree, np.arange(states, dtype=np.int64), values, policy)
         if start is not None:
             states_met = controller(self._problem, start)
             # More exactly than the policies above: this is where the search goes on.
@@ -233,8 +255,7 @@ class Search:
             vectors = controller_values(p, states_met, exactly, SWEEPS)
             room[VECTORS] = room[GROUPS] = len(vectors)
             tree = grow(tree, room)
-            for x, action, alpha in zip(states_met.x, states_met.action, vectors, strict=True):
-                add_vector(tree, int(x), alpha, int(action))
+            add_vectors(tree, states_met.x, vectors, states_met.action)
         prune_vectors(tree)
         tree.used[KEPT] = tree.used[LISTED]
         return tree, new_bins(float(tree.corner.min()), float(tree.corner.max()))
@@ -246,7 +267,7 @@ class Search:
         for root in self._problem.roots:
             support = np.flatnonzero(root.belief)
             mass = root.belief[support]
-            nodes.append(add_node(self._tree, root.x, support, mass))
+            nodes.append(plant(self._tree, root.x, support, mass))
         return np.array(nodes, dtype=np.int64)
 
     def _root_bounds(self) -> tuple[FloatArray, FloatArray]:

@@ -96,6 +96,7 @@ def controller_values(p: Problem, c: Controller, tolerance: float, sweeps: int) 
     values.fill(extreme_value(p, -1.0))
     new = np.empty(hidden)
     mixed = np.empty(hidden)
+    spare = np.empty(hidden)
     for _ in range(sweeps):
         change = 0.0
         # The states met last come first: values travel back to the roots.
@@ -110,7 +111,7 @@ def controller_values(p: Problem, c: Controller, tolerance: float, sweeps: int) 
                     mixed[y] = 0.0
                     for j in range(p.seen_start[table + y], p.seen_start[table + y + 1]):
                         mixed[y] += p.seen_chance[j] * values[c.following[at + p.seen[j]], y]
-                pull(p, p.edge_map[e], p.discount, mixed, new)
+                pull(p, p.edge_map[e], p.discount, mixed, new, spare)
                 at += p.observations
             for y in range(hidden):
                 if new[y] > values[i, y]:

@@ -16,7 +16,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from coadapt.arrays import FloatArray, IntArray
+from coadapt.arrays import BoolArray, FloatArray, IntArray
 from coadapt.jit import inner
 from coadapt.momdp.sarsop.problem import Problem
 
@@ -135,6 +135,48 @@ class Tree(NamedTuple):
     bucket: IntArray  # [H] first node of each hash bucket
     informed: FloatArray  # [X, A, Y] fast informed bound
     corner: FloatArray  # [X, Y] its value where the hidden state is known
+
+
+class Scratch(NamedTuple):
+    """Room to work in: kernels ask for no memory. Sizes as in `Problem` and `Tree`."""
+
+    mass: FloatArray  # [Y] a belief, zero between uses
+    totals: FloatArray  # [L]
+    useful: IntArray  # [BLOCK] points
+    current: BoolArray  # [A]
+    alpha: FloatArray  # [Y] the vector that a backup makes
+    mixed: FloatArray  # [Y]
+    spare: FloatArray  # [Y]
+    chosen: IntArray  # [O] vectors
+    pushed: FloatArray  # [Y]
+    chance: FloatArray  # [O]
+    begin: IntArray  # [O]
+    end: IntArray  # [O]
+    seen: IntArray  # as many as entries in an observation table
+    part: FloatArray  # as many
+
+
+def new_scratch(p: Problem) -> Scratch:
+    """Scratch for the problem ``p``."""
+    _, actions, hidden = p.reward.shape
+    tables = p.seen_start[::hidden]  # where each observation table begins, and the end
+    entries = int(np.diff(tables).max(initial=0))
+    return Scratch(
+        mass=np.zeros(hidden),
+        totals=np.empty(lanes_for(p)),
+        useful=np.empty(BLOCK, np.int64),
+        current=np.empty(actions, np.bool_),
+        alpha=np.empty(hidden),
+        mixed=np.empty(hidden),
+        spare=np.empty(hidden),
+        chosen=np.empty(p.observations, np.int64),
+        pushed=np.empty(hidden),
+        chance=np.empty(p.observations),
+        begin=np.empty(p.observations, np.int64),
+        end=np.empty(p.observations, np.int64),
+        seen=np.empty(entries, np.int64),
+        part=np.empty(entries),
+    )
 
 
 GROWABLE = {
