@@ -74,11 +74,12 @@ def leading_action(p: Problem, tree: Tree, n: int) -> int:
 
 
 @inner
-def backup_lower(p: Problem, tree: Tree, n: int, scratch: Scratch) -> None:
+def backup_lower(p: Problem, tree: Tree, n: int, scratch: Scratch, every: bool) -> None:
     """Add the alpha vector of the best action at opened node ``n``, if it raises the bound.
 
     Only actions that once led by their upper bound are looked at: the optimal one does sooner or
-    later, and most of the others never need children.
+    later, and most of the others never need children. Unless ``every`` one of these is asked for,
+    only the one that leads now and the one that the policy takes so far are looked at.
     """
     actions = p.reward.shape[1]
     node = tree.nodes[n]
@@ -86,9 +87,12 @@ def backup_lower(p: Problem, tree: Tree, n: int, scratch: Scratch) -> None:
     refresh_lower(tree, n, scratch)
     best = actions  # none
     best_value = node["lower"] + GAIN * (1.0 + abs(node["lower"]))
+    leading = leading_action(p, tree, n)
+    taken = tree.vectors[node["vector"]]["action"]
     for a in range(actions):
         branch = tree.branches[r + a]
-        if branch["first_child"] != NONE and branch["upper"] > best_value:
+        asked = every or a in (leading, taken)
+        if asked and branch["first_child"] != NONE and branch["upper"] > best_value:
             value = q_lower(p, tree, r + a, scratch)
             if value > best_value:
                 best = a

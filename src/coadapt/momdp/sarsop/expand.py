@@ -44,7 +44,7 @@ def add_node(tree: Tree, x: int, index: IntArray, mass: FloatArray) -> int:
     for i in range(size):
         h = (h * 1000003 + index[i] * 7919 + int(mass[i] * GRID + 0.5)) % PRIME
     h = h % tree.bucket.shape[0]
-    n = int(tree.bucket[h])
+    n = int(tree.bucket[h]) - 1
     while n != NONE:
         if is_node(tree, n, x, index, mass):
             return n
@@ -73,14 +73,15 @@ def add_node(tree: Tree, x: int, index: IntArray, mass: FloatArray) -> int:
     node["support"] = support
     node["first_branch"] = NONE
     node["point"] = NONE
-    node["same_hash"] = tree.bucket[h]
+    node["same_hash"] = tree.bucket[h] - 1
     node["lower"] = -np.inf
     node["vector"] = NONE
     node["vectors_seen"] = NONE
     node["upper"] = min(corners, informed)
     node["points_seen"] = NONE
     node["corners"] = corners
-    tree.bucket[h] = n
+    node["visits"] = 0
+    tree.bucket[h] = n + 1
     return n
 
 

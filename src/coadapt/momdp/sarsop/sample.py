@@ -1,8 +1,10 @@
 """Sampling near the beliefs an optimal policy reaches (Kurniawati, Hsu, Lee 2008, Sec. III-B).
 
 A trial walks down from a root: the action with the largest upper bound, then the successor and
-observation that contribute most to the gap. Every second trial takes the actions of the policy so
-far instead, which raises the lower bound where the upper ones mislead. A trial carries targets: the
+observation that contribute most to the gap. Among successors alike it prefers
+those seldom chosen before: else it would go the same ways again and again while the rest of the
+belief space waits. Every second trial takes the actions of the policy so far instead, which raises
+the lower bound where the upper ones mislead. A trial carries targets: the
 lower bound a belief would have to exceed, and the upper bound it would have to undercut, to matter
 at the root. It goes on below its target gap where the predicted value says that the lower bound at
 the root would rise. Then every node on the path is backed up, the last first.
@@ -41,7 +43,7 @@ CLOSED, WORKED, NO_ROOM, STALLED, MANY_VECTORS, MANY_POINTS = range(6)
 
 DEPTH_LIMIT = 2000
 
-TOO_MANY = 2
+TOO_MANY = 1.5
 """Vectors or points retire when there are this many times as many as after the last time."""
 
 PATIENCE = 100
@@ -50,8 +52,12 @@ PATIENCE = 100
 FEW = 64
 """So few more are not worth the trouble."""
 
-HALF = 0.5
-"""A trial aims at this part of the gap it starts from."""
+AIMS = (0.3, 0.5, 0.8, 0.5)
+"""At which part of the gap it starts from a trial aims, in turn: the first and third follow the
+policy, far down and not so far."""
+
+VISITS = 3.0
+"""A child's gap weighs one over the square root of this and the number of its visits."""
 
 
 class Bins(NamedTuple):
@@ -137,8 +143,9 @@ def run_trials(
         if tree.used[LISTED_POINTS] > TOO_MANY * tree.used[KEPT_POINTS] + FEW:
             return MANY_POINTS
         tree.used[TRIALS] += 1
-        exploit = tree.used[TRIALS] % 2 == 0
-        aim = max(allowed, HALF * widest)
+        turn = tree.used[TRIALS] % len(AIMS)
+        exploit = turn % 2 == 0
+        aim = max(allowed, AIMS[turn] * widest)
         depth = descend(p, tree, bins, root, aim, room, path, scratch, exploit)
         if depth < 0:
             return NO_ROOM
@@ -146,7 +153,7 @@ def run_trials(
             if not has_room(tree, room):
                 return NO_ROOM
             backup_upper(p, tree, path[i], scratch)
-            backup_lower(p, tree, path[i], scratch)
+            backup_lower(p, tree, path[i], scratch, exploit)
         if tree.used[VECTORS] + tree.used[POINTS] + tree.used[CHILDREN] > before:
             idle = 0
         else:
@@ -210,7 +217,7 @@ def descend(
         target_lower = max(target_lower, value)
         target_upper = max(target_upper, value + allowed)
         allowed /= p.discount
-        # The child whose excess gap weighs most.
+        # The child whose excess gap weighs most; exploration turns to those seldom chosen.
         branch = tree.branches[r]
         first = branch["first_child"]
         chosen = NONE
@@ -222,6 +229,8 @@ def descend(
             total_lower += p.discount * probability * child["lower"]
             total_upper += p.discount * probability * child["upper"]
             excess = probability * (child["upper"] - child["lower"] - allowed)
+            if not exploit:
+                excess /= np.sqrt(VISITS + child["visits"])
             if chosen == NONE or excess > heaviest:
                 chosen = c
                 heaviest = excess
@@ -231,4 +240,5 @@ def descend(
         weight = p.discount * tree.children[chosen]["probability"]
         target_lower = (target_lower - total_lower) / weight + tree.nodes[n]["lower"]
         target_upper = (target_upper - total_upper) / weight + tree.nodes[n]["upper"]
+        tree.nodes[n]["visits"] += 1
         depth += 1

@@ -58,6 +58,7 @@ NODE = np.dtype(
         ("points_seen", np.int64),  # newest point it was compared with
         ("corners", np.float64),  # upper bound from the corners of the belief simplex alone
         ("point", np.int64),  # its newest point, or NONE
+        ("visits", np.int64),  # how often a trial chose it
     ]
 )
 
@@ -132,7 +133,7 @@ class Tree(NamedTuple):
     newest_vector: IntArray  # [X]
     newest_group: IntArray  # [X]
     newest_point: IntArray  # [X]
-    bucket: IntArray  # [H] first node of each hash bucket
+    bucket: IntArray  # [H] one more than the first node of each hash bucket, or 0
     informed: FloatArray  # [X, A, Y] fast informed bound
     corner: FloatArray  # [X, Y] its value where the hidden state is known
 
@@ -230,7 +231,7 @@ def new_tree(p: Problem, informed: FloatArray) -> Tree:
         newest_vector=np.full(states, np.int64(NONE)),
         newest_group=np.full(states, np.int64(NONE)),
         newest_point=np.full(states, np.int64(NONE)),
-        bucket=np.full(BUCKETS, np.int64(NONE)),
+        bucket=np.zeros(BUCKETS, np.int64),  # takes no memory until it is used
         informed=informed,
         corner=informed.max(axis=1),
     )
