@@ -43,22 +43,18 @@ def kernel(function: Function) -> Function:
     return _compiled(function, from_python=True)
 
 
-def inner(function: Function) -> Function:
-    """`bare`."""
-    return bare(function)
-
-
 def bare(function: Function) -> Function:
-    """As `inner`, for a function that makes no arrays, nor calls one that does.
+    """Compile ``function`` for kernels alone to call: what Python would need is left out.
 
-    Nobody counts references to arrays in it, which takes most of the time of a small function.
+    It must make no arrays, nor call a function that does. Nobody counts references to arrays in it,
+    which takes most of the time of a small function.
     """
-    return _compiled(function, from_python=False, makes_arrays=False)
+    return _compiled(function, from_python=False)
 
 
-def _compiled(function: Function, *, from_python: bool, makes_arrays: bool = True) -> Function:
+def _compiled(function: Function, *, from_python: bool) -> Function:
     compiler: Any = numba.njit
-    compiled: Any = compiler(cache=True, no_cpython_wrapper=not from_python, _nrt=makes_arrays)(
+    compiled: Any = compiler(cache=True, no_cpython_wrapper=not from_python, _nrt=from_python)(
         function
     )
     # numba asks only whether the kernel's own file changed, but the compiled code holds the kernels

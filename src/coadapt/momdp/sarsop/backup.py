@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from coadapt.jit import inner
+from coadapt.jit import bare
 from coadapt.momdp.sarsop.bounds import (
     add_point,
     add_vector,
@@ -21,7 +21,7 @@ LARGE_PART = 0.1
 """Of a node's gap: by how much its upper bound must fall for other nodes to look at it again."""
 
 
-@inner
+@bare
 def backup_upper(p: Problem, tree: Tree, n: int, scratch: Scratch) -> int:
     """Tighten the upper bounds of the actions of opened node ``n``; the action with the largest.
 
@@ -62,7 +62,7 @@ def backup_upper(p: Problem, tree: Tree, n: int, scratch: Scratch) -> int:
     return best
 
 
-@inner
+@bare
 def leading_action(p: Problem, tree: Tree, n: int) -> int:
     """The action of opened node ``n`` with the largest upper bound."""
     r = tree.nodes[n]["first_branch"]
@@ -73,7 +73,7 @@ def leading_action(p: Problem, tree: Tree, n: int) -> int:
     return best
 
 
-@inner
+@bare
 def backup_lower(p: Problem, tree: Tree, n: int, scratch: Scratch, every: bool) -> None:
     """Add the alpha vector of the best action at opened node ``n``, if it raises the bound.
 
@@ -104,7 +104,7 @@ def backup_lower(p: Problem, tree: Tree, n: int, scratch: Scratch, every: bool) 
     tree.used[BACKUPS] += 1
 
 
-@inner
+@bare
 def q_lower(p: Problem, tree: Tree, r: int, scratch: Scratch) -> float:
     """Lower bound of ``Q`` of expanded branch ``r``, from the bounds of its children."""
     branch = tree.branches[r]
@@ -119,7 +119,7 @@ def q_lower(p: Problem, tree: Tree, r: int, scratch: Scratch) -> float:
     return total
 
 
-@inner
+@bare
 def back_up_vector(p: Problem, tree: Tree, n: int, a: int, scratch: Scratch) -> None:
     """Write the value of taking ``a`` in node ``n`` and then what is best at each child to
     ``scratch.alpha``.

@@ -5,7 +5,7 @@ from __future__ import annotations
 from typing import Any
 
 from coadapt.arrays import FloatArray, IntArray
-from coadapt.jit import inner, kernel
+from coadapt.jit import bare, kernel
 from coadapt.momdp.sarsop.tree import (
     BLOCK,
     GROUPS,
@@ -19,7 +19,7 @@ from coadapt.momdp.sarsop.tree import (
 )
 
 
-@inner
+@bare
 def refresh_lower(tree: Tree, n: int, scratch: Scratch) -> float:
     """Raise the lower bound of node ``n`` by the alpha vectors it has not seen: max b . alpha."""
     node = tree.nodes[n]
@@ -47,7 +47,7 @@ def refresh_lower(tree: Tree, n: int, scratch: Scratch) -> float:
     return node["lower"]
 
 
-@inner
+@bare
 def lane_totals(alpha: FloatArray, index: IntArray, mass: FloatArray, totals: FloatArray) -> None:
     """Write ``sum_i mass(i) alpha(index(i), .)`` to ``totals``.
 
@@ -72,7 +72,7 @@ def lane_totals(alpha: FloatArray, index: IntArray, mass: FloatArray, totals: Fl
             totals[k] += a * row_a[k]
 
 
-@inner
+@bare
 def refresh_upper(tree: Tree, n: int, scratch: Scratch) -> float:
     """Lower the upper bound of node ``n`` by the points it has not seen (sawtooth).
 
@@ -107,7 +107,7 @@ def refresh_upper(tree: Tree, n: int, scratch: Scratch) -> float:
     return node["upper"]
 
 
-@inner
+@bare
 def may_help(point: Any, above: float, outside: int, mass: FloatArray) -> bool:
     """Whether ``point`` could bring the bound more than ``above`` below the corners.
 
@@ -124,7 +124,7 @@ def may_help(point: Any, above: float, outside: int, mass: FloatArray) -> bool:
     )
 
 
-@inner
+@bare
 def drop_by(tree: Tree, i: int, above: float, mass: FloatArray) -> float:
     """How far below the corners point ``i`` brings the bound at the belief ``mass`` ``[Y]``.
 
@@ -144,7 +144,7 @@ def drop_by(tree: Tree, i: int, above: float, mass: FloatArray) -> float:
     return ratio * point["drop"]
 
 
-@inner
+@bare
 def lower_upper(tree: Tree, n: int, upper: float) -> None:
     """Set the upper bound of node ``n`` to ``upper`` if that is less, and that of its point."""
     node = tree.nodes[n]
@@ -154,7 +154,7 @@ def lower_upper(tree: Tree, n: int, upper: float) -> None:
             tree.points[node["point"]]["drop"] = node["corners"] - upper
 
 
-@inner
+@bare
 def add_vector(tree: Tree, x: int, alpha: FloatArray, action: int) -> int:
     """Append alpha vector ``alpha`` ``[Y]`` of observed state ``x``; its index.
 
@@ -200,7 +200,7 @@ def add_vectors(tree: Tree, x: IntArray, values: FloatArray, actions: IntArray) 
         add_vector(tree, x[i], values[i], actions[i])
 
 
-@inner
+@bare
 def add_lane(tree: Tree, x: int, v: int) -> None:
     """Put alpha vector ``v`` into the newest group of observed state ``x``, or a new one."""
     g = tree.newest_group[x]
@@ -218,7 +218,7 @@ def add_lane(tree: Tree, x: int, v: int) -> None:
         tree.lane_alpha[g, y, k] = tree.alpha[v, y]
 
 
-@inner
+@bare
 def add_point(tree: Tree, n: int) -> None:
     """Append the belief of node ``n`` with its upper bound as a point for others to use."""
     node = tree.nodes[n]
@@ -240,7 +240,7 @@ def add_point(tree: Tree, n: int) -> None:
     tree.used[LISTED_POINTS] += 1
 
 
-@inner
+@bare
 def place_of_point(tree: Tree, newest: int) -> int:
     """Where the point after ``newest`` of its observed state goes: beside it, or to a new block."""
     if newest != NONE and newest % BLOCK != BLOCK - 1:

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from coadapt.arrays import BoolArray, FloatArray, IntArray
-from coadapt.jit import inner, kernel
+from coadapt.jit import bare, kernel
 from coadapt.momdp.policy import AlphaVectorPolicy
 from coadapt.momdp.sarsop.problem import Problem, push, row_of
 
@@ -66,7 +66,7 @@ def mark_ended(p: Problem) -> BoolArray:
     return ended
 
 
-@inner
+@bare
 def leads_on(
     p: Problem, ended: BoolArray, x: int, y: int, index: IntArray, chance: FloatArray
 ) -> bool:
@@ -84,7 +84,7 @@ def leads_on(
     return False
 
 
-@inner
+@bare
 def stays(p: Problem, row: int, x: int, y: int, into: IntArray, chance: FloatArray) -> bool:
     """Whether ``row`` of the edges leads from hidden state ``y`` to ``(x, y)`` and nowhere else.
 
@@ -168,7 +168,7 @@ def run_steps(
     return taken
 
 
-@inner
+@bare
 def best_action(
     policy: Columns, x: int, index: IntArray, mass: FloatArray, hidden: int, values: FloatArray
 ) -> int:
@@ -190,7 +190,7 @@ def best_action(
     return int(policy.action[policy.start[x] + best])
 
 
-@inner
+@bare
 def draw_successor(
     p: Problem, row: int, y: int, uniform: float, into: IntArray, chance: FloatArray
 ) -> int:
@@ -216,7 +216,7 @@ def draw_successor(
     return x_next
 
 
-@inner
+@bare
 def draw_observation(p: Problem, row: int, uniform: float) -> int:
     """An observation of ``row`` of the observation tables."""
     o = 0
@@ -230,7 +230,7 @@ def draw_observation(p: Problem, row: int, uniform: float) -> int:
     return o
 
 
-@inner
+@bare
 def follow(
     p: Problem,
     row: int,
@@ -253,7 +253,7 @@ def follow(
                 out[y] += moved[y]
 
 
-@inner
+@bare
 def correct(p: Problem, first: int, o: int, belief: FloatArray) -> None:
     """Weigh ``belief`` by the chance of ``o`` in the table that begins at ``first``; normalise."""
     total = 0.0

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from coadapt.arrays import FloatArray, IntArray
-from coadapt.jit import inner, kernel
+from coadapt.jit import bare, kernel
 from coadapt.momdp.sarsop.problem import Problem, push
 from coadapt.momdp.sarsop.tree import BRANCHES, CHILDREN, ENTRIES, NODES, NONE, Scratch, Tree
 
@@ -32,7 +32,7 @@ def plant(tree: Tree, x: int, index: IntArray, mass: FloatArray) -> int:
     return add_node(tree, x, index, mass)
 
 
-@inner
+@bare
 def add_node(tree: Tree, x: int, index: IntArray, mass: FloatArray) -> int:
     """The node of observed state ``x`` and the belief with ``mass`` on ``index``; new if need be.
 
@@ -85,7 +85,7 @@ def add_node(tree: Tree, x: int, index: IntArray, mass: FloatArray) -> int:
     return n
 
 
-@inner
+@bare
 def is_node(tree: Tree, n: int, x: int, index: IntArray, mass: FloatArray) -> bool:
     """Whether node ``n`` is the belief with ``mass`` on ``index`` in observed state ``x``."""
     node = tree.nodes[n]
@@ -101,7 +101,7 @@ def is_node(tree: Tree, n: int, x: int, index: IntArray, mass: FloatArray) -> bo
     return True
 
 
-@inner
+@bare
 def open_node(p: Problem, tree: Tree, n: int) -> None:
     """Give node ``n`` its branches, bounded by the informed bound."""
     actions = p.reward.shape[1]
@@ -124,7 +124,7 @@ def open_node(p: Problem, tree: Tree, n: int) -> None:
         branch["children"] = 0
 
 
-@inner
+@bare
 def expand_branch(p: Problem, tree: Tree, n: int, a: int, scratch: Scratch) -> None:
     """Give branch ``a`` of node ``n`` its children: every successor and observation."""
     _, actions, hidden = p.reward.shape

@@ -14,7 +14,7 @@ from __future__ import annotations
 import numpy as np
 
 from coadapt.arrays import BoolArray, FloatArray, IntArray
-from coadapt.jit import inner, kernel
+from coadapt.jit import bare, kernel
 from coadapt.momdp.sarsop.problem import Problem, pull, row_of, staying
 
 SETTLED = 1e-4
@@ -24,7 +24,7 @@ KNOWN = 8
 """Hidden states whose best policy starts the lower bound."""
 
 
-@inner
+@bare
 def extreme_value(p: Problem, sign: float) -> float:
     """A number that no value exceeds (``sign`` 1), or that none falls below (``sign`` -1).
 
@@ -102,7 +102,7 @@ def mdp_values(p: Problem, tolerance: float, sweeps: int) -> FloatArray:
     return q
 
 
-@inner
+@bare
 def is_needless(p: Problem, x: int, a: int) -> bool:
     """Whether an action before ``a`` leads where it leads in ``x`` and earns no less.
 
@@ -129,7 +129,7 @@ def is_needless(p: Problem, x: int, a: int) -> bool:
     return False
 
 
-@inner
+@bare
 def leads_to_moved(p: Problem, x: int, moved: IntArray, since: int) -> bool:
     """Whether ``x`` or a successor of it has ``moved`` ``[X]`` at or after ``since``."""
     if moved[x] >= since:
@@ -141,7 +141,7 @@ def leads_to_moved(p: Problem, x: int, moved: IntArray, since: int) -> bool:
     return False
 
 
-@inner
+@bare
 def back_up(
     p: Problem, x: int, a: int, value: FloatArray, out: FloatArray, spare: FloatArray
 ) -> None:
@@ -156,7 +156,7 @@ def back_up(
         pull(p, p.edge_map[e], p.discount, value[p.edge_next[e]], out, spare)
 
 
-@inner
+@bare
 def leave(
     p: Problem, x: int, a: int, value: FloatArray, out: FloatArray, stays: FloatArray
 ) -> None:
@@ -236,7 +236,7 @@ def fast_informed_bound(
             break
 
 
-@inner
+@bare
 def tells_nothing(p: Problem, x: int, a: int, single: BoolArray) -> bool:
     """Whether, the hidden state once known, no observation after ``a`` in ``x`` adds to it.
 
@@ -249,7 +249,7 @@ def tells_nothing(p: Problem, x: int, a: int, single: BoolArray) -> bool:
     return True
 
 
-@inner
+@bare
 def is_single_valued(p: Problem, k: int, index: IntArray, chance: FloatArray) -> bool:
     """Whether map ``k`` leads from every hidden state to one alone.
 
@@ -261,7 +261,7 @@ def is_single_valued(p: Problem, k: int, index: IntArray, chance: FloatArray) ->
     return True
 
 
-@inner
+@bare
 def informed_step(
     p: Problem,
     q: FloatArray,

@@ -8,7 +8,7 @@ import numpy as np
 from scipy import sparse
 
 from coadapt.arrays import FloatArray, IntArray
-from coadapt.jit import inner
+from coadapt.jit import bare
 from coadapt.momdp.model import MOMDP
 from coadapt.momdp.transition import JumpTransition
 
@@ -63,7 +63,7 @@ def as_arrays(problem: MOMDP) -> Problem:
     )
 
 
-@inner
+@bare
 def push(
     p: Problem, k: int, index: IntArray, mass: FloatArray, out: FloatArray, spare: FloatArray
 ) -> None:
@@ -99,7 +99,7 @@ def push(
                     out[b_next * modes + m] += spare[b * modes + m] * p.mixing[b, b_next]
 
 
-@inner
+@bare
 def pull(
     p: Problem, k: int, scale: float, values: FloatArray, out: FloatArray, spare: FloatArray
 ) -> None:
@@ -132,7 +132,7 @@ def pull(
             out[b * modes + m] += scale * (max(stay, 0.0) * mixed[b * modes + m] + jumped)
 
 
-@inner
+@bare
 def row_of(p: Problem, k: int, y: int, index: IntArray, chance: FloatArray) -> int:
     """Write row ``y`` of ``J_k`` as pairs of ``index`` and ``chance`` ``[Y]``; their number."""
     hidden = p.reward.shape[2]
@@ -162,7 +162,7 @@ def row_of(p: Problem, k: int, y: int, index: IntArray, chance: FloatArray) -> i
     return size
 
 
-@inner
+@bare
 def staying(p: Problem, k: int, out: FloatArray) -> None:
     """Write the probability with which ``J_k`` keeps each hidden state to ``out`` ``[Y]``."""
     hidden = out.shape[0]

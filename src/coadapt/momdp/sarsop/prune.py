@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from coadapt.arrays import FloatArray, IntArray
-from coadapt.jit import inner, kernel
+from coadapt.jit import bare, kernel
 from coadapt.momdp.sarsop.bounds import add_lane, drop_by, may_help, place_of_point
 from coadapt.momdp.sarsop.tree import (
     GROUPS,
@@ -55,7 +55,7 @@ def retire_vectors(tree: Tree) -> None:
     tree.used[LISTED] = tree.used[KEPT] = kept
 
 
-@inner
+@bare
 def regroup(tree: Tree, stack: IntArray) -> None:
     """Fill the groups anew from the lists of alpha vectors, the oldest first.
 
@@ -117,7 +117,7 @@ SMALL_PART = 0.002
 """Of the gap at a point: how much it must tighten the bound there."""
 
 
-@inner
+@bare
 def is_superfluous(tree: Tree, others: IntArray, j: int, mass: FloatArray) -> bool:
     """Whether another of the points ``others`` does what the ``j``-th does, or nearly.
 
@@ -172,7 +172,7 @@ def retire_points(tree: Tree) -> None:
     close_ranks(tree, tree.points[:count].copy(), stack, np.empty(count, dtype=np.int64))
 
 
-@inner
+@bare
 def close_ranks(tree: Tree, old: Records, stack: IntArray, place: IntArray) -> None:
     """Lay out anew those of the points ``old`` that are their nodes' own.
 

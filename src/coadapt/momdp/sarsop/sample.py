@@ -17,7 +17,7 @@ from typing import NamedTuple
 import numpy as np
 
 from coadapt.arrays import FloatArray, IntArray
-from coadapt.jit import inner, kernel
+from coadapt.jit import bare, kernel
 from coadapt.momdp.sarsop.backup import backup_lower, backup_upper, q_lower
 from coadapt.momdp.sarsop.bounds import refresh_lower, refresh_upper
 from coadapt.momdp.sarsop.expand import expand_branch, open_node
@@ -78,7 +78,7 @@ def new_bins(low: float, high: float) -> Bins:
     return Bins(np.zeros((BINS, BINS)), np.zeros((BINS, BINS), dtype=np.int64), low, width)
 
 
-@inner
+@bare
 def predicted_value(tree: Tree, bins: Bins, n: int) -> float:
     """Mean lower bound of the beliefs in the bin of node ``n``; its upper bound in an empty one.
 
@@ -162,7 +162,7 @@ def run_trials(
                 return STALLED
 
 
-@inner
+@bare
 def policy_action(p: Problem, tree: Tree, n: int, scratch: Scratch) -> int:
     """The action that the policy so far takes at opened node ``n``; its branch has children."""
     refresh_lower(tree, n, scratch)
@@ -172,7 +172,7 @@ def policy_action(p: Problem, tree: Tree, n: int, scratch: Scratch) -> int:
     return a
 
 
-@inner
+@bare
 def descend(
     p: Problem,
     tree: Tree,

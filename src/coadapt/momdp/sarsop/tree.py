@@ -17,7 +17,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from coadapt.arrays import BoolArray, FloatArray, IntArray
-from coadapt.jit import inner
+from coadapt.jit import bare
 from coadapt.momdp.sarsop.problem import Problem
 
 Records = NDArray[np.void]
@@ -280,7 +280,7 @@ def larger_size(array: FloatArray | IntArray | Records, wanted: int) -> int:
     return max(wanted, 2 * len(array))
 
 
-@inner
+@bare
 def has_room(tree: Tree, room: IntArray) -> bool:
     """Whether every array has ``room`` ``[COUNTS]`` more places."""
     used = tree.used
