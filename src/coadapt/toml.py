@@ -127,7 +127,7 @@ def _lines_of_keys(text: str) -> dict[Key, int]:
     """The number of the line that begins each table and gives each key."""
     found: dict[Key, int] = {}
     table: Key = ()
-    entries: dict[str, int] = {}
+    entries: dict[Key, int] = {}
     quote = ""
     for number, line in enumerate(text.split("\n"), start=1):
         if quote:
@@ -135,16 +135,33 @@ def _lines_of_keys(text: str) -> dict[Key, int]:
             continue
         header, given = _HEADER.fullmatch(line), _KEY.match(line)
         if header is not None:
-            name = header[2].replace('"', "").replace("'", "")
-            table = tuple(part.strip() for part in name.split("."))
-            if header[1] == "[[":
-                entries[name] = entries.get(name, -1) + 1
-                table = (*table, entries[name])
+            table = _table(_names(header[2]), header[1] == "[[", entries)
             found.setdefault(table, number)
         elif given is not None:
-            name = given[1].replace('"', "").replace("'", "")
-            found.setdefault((*table, *(part.strip() for part in name.split("."))), number)
+            found.setdefault((*table, *_names(given[1])), number)
         for mark in ('"""', "'''"):
             if line.count(mark) % 2 == 1:
                 quote = mark
     return found
+
+
+def _names(dots: str) -> tuple[str, ...]:
+    return tuple(part.strip() for part in dots.replace('"', "").replace("'", "").split("."))
+
+
+def _table(names: tuple[str, ...], is_entry: bool, entries: dict[Key, int]) -> Key:
+    """Where a header leads: to the last entry of each array of tables on the way.
+
+    Args:
+        names: the parts of the header.
+        is_entry: whether it begins a new entry of an array.
+        entries: the number of the last entry of each array so far.
+    """
+    table: Key = ()
+    for i, name in enumerate(names):
+        table = (*table, name)
+        if is_entry and i == len(names) - 1:
+            entries[table] = entries.get(table, -1) + 1
+        if table in entries:
+            table = (*table, entries[table])
+    return table
