@@ -30,8 +30,8 @@ FOLDERS: dict[str, tuple[str, ...]] = {
 
 @cache
 def stamp(folder: str) -> str:
-    """Stands for the source of all kernels that those of ``folder`` may call."""
-    digest = sha256()
+    """Stands for the source of all kernels that those of ``folder`` may call, and the compiler's."""
+    digest = sha256(Path(__file__).read_bytes())  # how they are compiled
     for part in (folder, *FOLDERS[folder]):
         for source in sorted((ROOT / part).glob("*.py")):
             digest.update(source.read_bytes())

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 
 from coadapt.arrays import BoolArray, FloatArray, IntArray
-from coadapt.jit import inner, kernel
+from coadapt.jit import bare, kernel
 
 SMALL = 1e-200
 """A likelihood so small is put away as a logarithm before it vanishes."""
@@ -86,7 +86,7 @@ def smoothed_modes(steps: Steps, alpha: FloatArray, weight: FloatArray, out: Flo
                 _add_smoothed(steps, alpha[j], weight[p, j], first, begins, forward, backward, out)
 
 
-@inner
+@bare
 def _forward(
     steps: Steps,
     alpha: float,
@@ -100,7 +100,8 @@ def _forward(
     for s in range(first, last):
         row = forward[s - first]
         if s == first or (begins[s - first] and not steps.is_kept):
-            row[:] = steps.prior
+            for m in range(modes):
+                row[m] = steps.prior[m]
         else:
             for m in range(modes):
                 stays = (1.0 - alpha) * forward[s - first - 1, m]
@@ -113,7 +114,7 @@ def _forward(
             row[m] /= total
 
 
-@inner
+@bare
 def _add_smoothed(
     steps: Steps,
     alpha: float,

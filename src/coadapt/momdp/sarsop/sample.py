@@ -143,7 +143,7 @@ def run_trials(
         if tree.used[LISTED_POINTS] > TOO_MANY * tree.used[KEPT_POINTS] + FEW:
             return MANY_POINTS
         tree.used[TRIALS] += 1
-        turn = tree.used[TRIALS] % len(AIMS)
+        turn = int(tree.used[TRIALS]) % len(AIMS)
         exploit = turn % 2 == 0
         aim = max(allowed, AIMS[turn] * widest)
         depth = descend(p, tree, bins, root, aim, room, path, scratch, exploit)
