@@ -1,0 +1,340 @@
+"""What the server does, whoever asks: pages, websockets, the researcher."""
+
+from __future__ import annotations
+
+import asyncio
+import secrets
+import time
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from pathlib import Path
+from typing import Literal
+
+from sqlalchemy import Connection
+
+from coadapt.study.allocation import Allotted, Standing, allocate
+from coadapt.study.protocol import Study
+from coadapt.study.robots import Robots
+from coadapt.study.session import BEGINNING, Event, NotNow, Session, advance
+from coadapt.study.session.events import Allocated, Excluded, Opened, Readmitted
+from coadapt.study.store import Addition, Digest, Kept, Row, Store, StoreError, Taken, Writer
+from coadapt.study.store.schema import LONGEST_PARTICIPANT
+from coadapt.study.store.store import IntegrityError, get_setting, set_place, set_setting
+
+Status = Literal["open", "closed", "paused"]
+"""``"closed"``: nobody new is let in; ``"paused"``: those under way have to wait too."""
+
+LONGEST_PARAMETER = 500
+"""Characters of a parameter of a link that are kept."""
+
+MOST_CACHED = 20_000
+"""Sessions in memory. Others are read again from the database when they are needed."""
+
+STATUS_AGE = 1.0
+"""Seconds for which the study's status is not asked for again; another process may change it."""
+
+
+class Closed(Exception):
+    """The study takes no new participants, or is paused."""
+
+
+class Unreadable(StoreError):
+    """The events of a session do not fit the protocol, as after a change of `study.toml`."""
+
+
+@dataclass
+class _Entry:
+    """A session in memory.
+
+    Attributes:
+        row: in the table of sessions.
+        session: after its first ``sequence`` events.
+        fresh: whether memory and database are known to have been the same; another process may
+            have written since.
+    """
+
+    row: Row
+    session: Session = BEGINNING
+    sequence: int = 0
+    digest: Digest = field(default_factory=Digest)
+    fresh: bool = False
+    lock: asyncio.Lock = field(default_factory=asyncio.Lock)
+
+
+class Service:
+    """A study that is being run.
+
+    To be made within the event loop that uses it. Several processes may serve the same database.
+
+    Args:
+        study: the protocol.
+        robots: one for each condition and chosen goal.
+        store: the database.
+        directory: of the study.
+    """
+
+    def __init__(self, study: Study, robots: Robots, store: Store, directory: Path) -> None:
+        self.study = study
+        self.robots = robots
+        self.store = store
+        self.directory = directory
+        self._writer = Writer(store)
+        self._entries: dict[str, _Entry] = {}
+        self._status: Status = "open"
+        self._status_until = 0.0
+
+    async def close(self) -> None:
+        """Store what is waiting and end."""
+        await self._writer.close()
+
+    # Sessions
+
+    async def open(self, parameters: Mapping[str, str], returning: str | None = None) -> str:
+        """The key of a new session, or of the one that a returning person had.
+
+        Args:
+            parameters: of the link. Those that the study keeps are stored.
+            returning: the key of their last session, from the cookie of their browser. A link that
+                names a person counts more.
+
+        Raises:
+            Closed: if the person is new and the study is not open.
+            StoreError: if it could not be stored.
+        """
+        wanted = self.study.recruitment
+        kept = {
+            name: parameters[name][:LONGEST_PARAMETER]
+            for name in wanted.parameters
+            if name in parameters
+        }
+        participant = kept.get(wanted.participant or "", "")[:LONGEST_PARTICIPANT] or None
+        known: Row | None = None
+        if participant is not None:
+            known = await asyncio.to_thread(self.store.find, participant=participant)
+        elif returning is not None:
+            known = await asyncio.to_thread(self.store.find, key=returning)
+        if known is not None:
+            return known.key
+        if await self.status() != "open":
+            raise Closed
+        key = secrets.token_urlsafe(24)
+
+        def add(connection: Connection) -> None:
+            self.store.add_session(connection, key, participant, Opened(parameters=kept))
+
+        try:
+            await self._writer.transaction(add)
+        except IntegrityError:  # the same person has come twice at the same moment
+            return await self.open(parameters, returning)
+        return key
+
+    async def session(self, key: str) -> Session:
+        """Where a session stands, whichever process has moved it.
+
+        Raises:
+            KeyError: if there is none with this key.
+            StoreError: if it cannot be read.
+        """
+        entry = await self._entry(key)
+        async with entry.lock:
+            await self._refresh(entry)
+            return entry.session
+
+    async def events(self, key: str) -> list[Kept]:
+        """All events of a session; raises as `session`."""
+        entry = await self._entry(key)
+        return await asyncio.to_thread(self.store.events, entry.row.id)
+
+    async def record(
+        self, key: str, *events: Event, attempt: tuple[int, int] | None = None
+    ) -> Session:
+        """The session after ``events``, which are safe in the database when this returns.
+
+        Args:
+            key: of the session.
+            events: what happened; all of them are stored or none.
+            attempt: ``(position, attempt)`` of the attempt that they belong to: nothing else must
+                have begun since.
+
+        Raises:
+            KeyError: if there is no such session.
+            NotNow: if they cannot happen now. Nothing is stored.
+            StoreError: if they could not be stored.
+        """
+        entry = await self._entry(key)
+        async with entry.lock:
+            while True:
+                if not entry.fresh:
+                    await self._refresh(entry)
+                session = entry.session
+                if attempt is not None and attempt != (session.position, session.attempt):
+                    raise NotNow("another attempt has begun")
+                for event in events:
+                    session = advance(self.study, session, event)
+                digest = digest_of(session)
+                addition = Addition(
+                    entry.row.id,
+                    entry.sequence + 1,
+                    time.time(),
+                    events,
+                    None if digest == entry.digest else digest,
+                )
+                # Whatever goes wrong now, the database knows best what is stored.
+                entry.fresh = False
+                try:
+                    await self._writer.append(addition)
+                except Taken:
+                    continue
+                entry.session, entry.digest = session, digest
+                entry.sequence += len(events)
+                entry.fresh = True
+                return session
+
+    async def allocate(self, key: str) -> Session:
+        """The session after its allocation to a condition, one at a time over all processes.
+
+        Without a condition if all quotas are met, or if the session has had its allocation.
+
+        Raises:
+            KeyError, StoreError: as `record`.
+        """
+        entry = await self._entry(key)
+        async with entry.lock:
+            await self._refresh(entry)
+
+            def choose(connection: Connection) -> None:
+                self.store.database.lock_allocation(connection)
+                _allocate(self.study, self.store, connection, entry)
+
+            if entry.session.condition is None and entry.session.choice is not None:
+                entry.fresh = False
+                try:
+                    await self._writer.transaction(choose)
+                except IntegrityError:  # another process was faster
+                    pass
+                await self._refresh(entry)
+            return entry.session
+
+    # The researcher
+
+    async def status(self) -> Status:
+        """Whether the study is open."""
+        if time.monotonic() > self._status_until:
+            found = await asyncio.to_thread(self.store.setting, "status")
+            self._status = "open" if found is None else found  # pyright: ignore
+            self._status_until = time.monotonic() + STATUS_AGE
+        return self._status
+
+    async def set_status(self, status: Status) -> None:
+        """Open, close or pause the study; other processes see it within a second."""
+
+        def change(connection: Connection) -> None:
+            set_setting(connection, "status", status)
+
+        await self._writer.transaction(change)
+        self._status, self._status_until = status, time.monotonic() + STATUS_AGE
+
+    async def exclude(self, key: str, reason: str) -> Session:
+        """Take a session out of the data; raises as `record`."""
+        return await self.record(key, Excluded(reason=reason))
+
+    async def readmit(self, key: str) -> Session:
+        """Take that back; raises as `record`."""
+        return await self.record(key, Readmitted())
+
+    async def delete(self, key: str) -> None:
+        """Delete a session and all that is known of it.
+
+        Raises:
+            KeyError: if there is none.
+            StoreError: if it could not be deleted.
+        """
+        entry = await self._entry(key)
+        async with entry.lock:
+
+            def remove(connection: Connection) -> None:
+                self.store.delete(connection, entry.row.id)
+
+            await self._writer.transaction(remove)
+            entry.fresh = False
+            self._entries.pop(key, None)
+
+    async def rows(self) -> list[Row]:
+        """All sessions, in the order in which they were opened."""
+        return await asyncio.to_thread(self.store.rows)
+
+    # Memory and database
+
+    async def _entry(self, key: str) -> _Entry:
+        entry = self._entries.pop(key, None)
+        if entry is None:
+            row = await asyncio.to_thread(self.store.find, key=key)
+            if row is None:
+                raise KeyError(key)
+            entry = self._entries.pop(key, None) or _Entry(row)
+        self._entries[key] = entry  # the latest stands last
+        if len(self._entries) > MOST_CACHED:
+            self._forget()
+        return entry
+
+    def _forget(self) -> None:
+        """Drop the oldest entries that nobody is using."""
+        idle = [key for key, entry in self._entries.items() if not entry.lock.locked()]
+        for key in idle[: len(self._entries) - MOST_CACHED * 9 // 10]:
+            del self._entries[key]
+
+    async def _refresh(self, entry: _Entry) -> None:
+        """Bring ``entry`` up to date with the database."""
+        new = await asyncio.to_thread(self.store.events, entry.row.id, entry.sequence)
+        if not new and entry.sequence == 0:  # every session has a first event
+            self._entries.pop(entry.row.key, None)
+            raise KeyError(entry.row.key)
+        try:
+            for kept in new:
+                entry.session = advance(self.study, entry.session, kept.event)
+                entry.sequence = kept.sequence
+        except NotNow as error:
+            raise Unreadable(f"event {entry.sequence + 1} does not fit: {error}") from error
+        entry.digest = digest_of(entry.session)
+        entry.fresh = True
+
+
+def digest_of(session: Session) -> Digest:
+    """What of ``session`` is asked of all sessions at once."""
+    return Digest(session.condition, session.choice, session.device, session.end)
+
+
+def standing_of(study: Study, row: Row, now: float) -> Standing:
+    """What has become of a session, at the time ``now``."""
+    end = row.digest.end
+    if end == "finished":
+        return "completed"
+    stale = now - row.seen > study.allocation.stale_minutes * 60
+    return "lost" if end or stale else "active"
+
+
+def _allocate(study: Study, store: Store, connection: Connection, entry: _Entry) -> None:
+    """Allocate the session of ``entry``, within a transaction in which nobody else does."""
+    now = time.time()
+    before = [
+        Allotted(
+            row.digest.condition or "", standing_of(study, row, now), covariates_of(row.digest)
+        )
+        for row in store.allocated(connection)
+    ]
+    condition = allocate(study, before, covariates_of(entry.digest))
+    if condition is None:
+        return
+    event = Allocated(condition=condition)
+    session = advance(study, entry.session, event)
+    addition = Addition(entry.row.id, entry.sequence + 1, now, [event], digest_of(session))
+    store.append(connection, [addition])
+    set_place(connection, entry.row.id)
+
+
+def covariates_of(digest: Digest) -> dict[str, str]:
+    """What a session is balanced by, see `coadapt.study.protocol.Allocation`."""
+    return {"choice": f"{digest.choice}", "device": f"{digest.device}"}
+
+
+__all__ = ["Closed", "Service", "Status", "Unreadable", "get_setting"]

@@ -1,0 +1,153 @@
+"""Connections to SQLite or PostgreSQL, and what differs between the two."""
+
+from __future__ import annotations
+
+import sqlite3
+from collections.abc import Generator
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Literal
+
+from sqlalchemy import Connection, Engine, create_engine, event, text
+from sqlalchemy.engine import URL, make_url
+from sqlalchemy.exc import ArgumentError, NoSuchModuleError, SQLAlchemyError
+
+from coadapt.errors import InputError
+
+Durability = Literal["power", "process"]
+"""What stored data survive: ``"power"``: a loss of power of the machine; ``"process"``: the end of
+any process at any moment, but of the last moments before a loss of power some may be missing, never
+an older event without a newer one. PostgreSQL always gives the first."""
+
+ALLOCATION_LOCK = 0x636F6164  # any number that nobody else locks in this database
+
+CHECKPOINT_PAGES = 4000
+"""The write-ahead log of SQLite is emptied at this many pages of 4 kB."""
+
+PATIENCE = 30
+"""Seconds to wait for another process that writes to the same SQLite file."""
+
+_INSERT = {
+    "sqlite": """
+        INSERT INTO events (session, sequence, time, kind, data)
+        SELECT json_extract(value, '$[0]'), json_extract(value, '$[1]'),
+            json_extract(value, '$[2]'), json_extract(value, '$[3]'), json_extract(value, '$[4]')
+        FROM json_each(:rows)""",
+    "postgresql": """
+        INSERT INTO events (session, sequence, time, kind, data)
+        SELECT (r->>0)::bigint, (r->>1)::integer, (r->>2)::double precision, r->>3, r->>4
+        FROM json_array_elements(CAST(:rows AS json)) AS r""",
+}
+
+
+class Database:
+    """A database.
+
+    Args:
+        url: ``sqlite:///PATH`` or ``postgresql://USER:PASSWORD@HOST/NAME``.
+        durability: what stored data survive.
+
+    Attributes:
+        engine: for reading.
+        insert_events: a statement that inserts rows of `EVENTS`, all of them given as one JSON
+            array ``rows`` of arrays. One statement for many rows: the interpreter is left and
+            entered once, not for every row, which matters to a thread beside a busy one.
+
+    Raises:
+        InputError: if the URL cannot be used.
+    """
+
+    def __init__(self, url: str, durability: Durability = "power") -> None:
+        parsed = parse_url(url)
+        self.is_sqlite = parsed.get_backend_name() == "sqlite"
+        self.insert_events = text(_INSERT[parsed.get_backend_name()])
+        if self.is_sqlite:
+            self.engine = create_engine(parsed, connect_args={"timeout": PATIENCE})
+            _prepare_sqlite(self.engine, durability)
+        else:
+            self.engine = create_engine(parsed, pool_pre_ping=True)
+        self._writing = self.engine.execution_options(coadapt_writes=True)
+
+    @contextmanager
+    def reading(self) -> Generator[Connection]:
+        """A connection that sees one state of the database and changes nothing."""
+        with self.engine.connect() as connection:
+            yield connection
+
+    @contextmanager
+    def writing(self) -> Generator[Connection]:
+        """A connection in a transaction, committed at the end; undone after an exception."""
+        with self._writing.begin() as connection:
+            yield connection
+
+    def lock_allocation(self, connection: Connection) -> None:
+        """Wait until no other process allocates; to the end of the transaction of ``connection``.
+
+        On SQLite nobody else writes during a transaction that does.
+        """
+        if not self.is_sqlite:
+            connection.execute(
+                text("SELECT pg_advisory_xact_lock(:lock)"), {"lock": ALLOCATION_LOCK}
+            )
+
+    def close(self) -> None:
+        """Close all connections that nobody uses."""
+        self.engine.dispose()
+
+
+def parse_url(url: str) -> URL:
+    """``url`` with the driver that coadapt uses where none is named.
+
+    Raises:
+        InputError: if it is no URL of SQLite or PostgreSQL, or its driver is missing. The message
+            does not repeat it, since it may hold a password.
+    """
+    try:
+        parsed = make_url(url)
+        if parsed.drivername in ("postgresql", "postgres"):
+            parsed = parsed.set(drivername="postgresql+pg8000")
+        backend = parsed.get_backend_name()
+        parsed.get_dialect().import_dbapi()
+    except (ArgumentError, NoSuchModuleError, ValueError) as error:
+        raise InputError(
+            "the database URL cannot be read, expected sqlite:///FILE or "
+            "postgresql://USER:PASSWORD@HOST/NAME"
+        ) from error
+    except ImportError as error:
+        raise InputError(f"the database's driver is not installed: {error}") from error
+    if backend not in _INSERT:
+        raise InputError(f"found a database URL of {backend}, expected sqlite or postgresql")
+    if backend == "sqlite":
+        if not parsed.database or parsed.database == ":memory:":
+            raise InputError("the database must be a file: what is in memory only would be lost")
+        if not Path(parsed.database).absolute().parent.is_dir():
+            raise InputError(f"found no directory for the database {parsed.database}")
+    return parsed
+
+
+def _prepare_sqlite(engine: Engine, durability: Durability) -> None:
+    """Write-ahead log, foreign keys, and transactions that begin when SQLAlchemy says so."""
+
+    @event.listens_for(engine, "connect")
+    def connected(connection: sqlite3.Connection, _: object) -> None:
+        connection.isolation_level = None
+        synchronous = "FULL" if durability == "power" else "NORMAL"
+        for pragma in (
+            "journal_mode = WAL",
+            f"synchronous = {synchronous}",
+            "foreign_keys = ON",
+            f"wal_autocheckpoint = {CHECKPOINT_PAGES}",
+        ):
+            connection.execute(f"PRAGMA {pragma}")
+
+    @event.listens_for(engine, "begin")
+    def begun(connection: Connection) -> None:
+        writes = connection.get_execution_options().get("coadapt_writes", False)
+        # Who reads first and then writes could find that another process wrote in between.
+        connection.exec_driver_sql("BEGIN IMMEDIATE" if writes else "BEGIN")
+
+    del connected, begun
+
+
+DatabaseError = SQLAlchemyError
+"""What goes wrong in a database."""
