@@ -1,0 +1,296 @@
+"""The rows that a session gives."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass
+from datetime import UTC, datetime
+from typing import TypeVar, cast
+
+import msgspec
+
+from coadapt.study.attempts import StoredAttempt, StoredStep, attempts_of
+from coadapt.study.export.names import Names
+from coadapt.study.export.tables import AnswerRow, EventRow, Participant, StepRow, TrialRow
+from coadapt.study.protocol import Item, Question, Study
+from coadapt.study.record import Moment, Record, Standing
+from coadapt.study.session.events import (
+    Answer,
+    Answered,
+    Belief,
+    Checked,
+    Event,
+    Excluded,
+    Noted,
+    Opened,
+    Pressed,
+    encode_event,
+)
+from coadapt.study.session.plan import plan_of
+
+Kind = TypeVar("Kind", bound=Event)
+
+LOST = "disconnected"
+"""`Noted.what` of a lost connection."""
+
+
+@dataclass(frozen=True)
+class Place:
+    """Where a session stands among all.
+
+    Attributes:
+        number: in the order of opening, from 1.
+        allocation: in the order of allocation, from 1; None if it was not allocated.
+        standing: what has become of it.
+        included: whether it is to be analysed.
+    """
+
+    number: int
+    allocation: int | None
+    standing: Standing
+    included: bool
+
+
+class SessionRows:
+    """One session as rows of the tables.
+
+    Args:
+        study: the protocol.
+        names: of goals, inputs and actions.
+        record: what is stored of it.
+        place: where it stands among all.
+
+    Raises:
+        NotNow: if the events cannot have happened in this order.
+    """
+
+    def __init__(self, study: Study, names: Names, record: Record, place: Place) -> None:
+        self._study, self._names, self._place = study, names, place
+        self._record = record
+        self._moments: Sequence[Moment] = record.moments(study)
+        self._attempts = attempts_of(self._moments)
+        self._session = self._moments[-1].after
+        self._stages = plan_of(study)
+
+    def _since(self, time: float) -> float:
+        """``time`` in seconds since the session was opened."""
+        return round(time - self._record.opened, 6)
+
+    def participant(self) -> Participant:
+        """The session itself."""
+        study, session, record = self._study, self._session, self._record
+        checked = _last(self._moments, Checked)
+        answered = [e.time for e in record.entries if isinstance(e.event, Answered)]
+        condition = session.condition
+        wrong = [
+            session.answers[item.name] != item.expected
+            for scale in study.scales
+            for item in scale.items
+            if item.expected is not None and item.name in session.answers
+        ]
+        excluded = _last(self._moments, Excluded)
+        is_excluded = self._place.standing == "excluded" and excluded is not None
+        return Participant(
+            participant=record.alias,
+            number=self._place.number,
+            included=self._place.included,
+            standing=self._place.standing,
+            reason=excluded.reason if is_excluded else None,
+            simulated=record.is_simulated,
+            opened=datetime.fromtimestamp(record.opened, UTC).isoformat(timespec="milliseconds"),
+            duration=self._since(answered[-1]) if answered else None,
+            stage=str(self._stages[session.position]),
+            device=checked.device if checked else None,
+            pad=(checked.pad or None) if checked else None,
+            browser=checked.browser if checked else None,
+            width=checked.width if checked else None,
+            height=checked.height if checked else None,
+            latency=checked.latency if checked else None,
+            choice=self._names.goal(session.choice),
+            condition=condition,
+            robot=None if condition is None else study.condition(condition).robot,
+            allocation=self._place.allocation,
+            trials=len(session.results),
+            changed=session.changed if session.results else None,
+            checks=len(wrong),
+            checks_failed=sum(wrong),
+            connections_lost=sum(
+                isinstance(e.event, Noted) and e.event.what == LOST for e in record.entries
+            ),
+        )
+
+    def trials(self) -> Iterator[TrialRow]:
+        """The trials that began."""
+        last = {a.stage.number: a for a in self._attempts if a.stage.kind == "trial"}
+        for number in sorted(last):
+            yield self._trial(number, last[number])
+
+    def _trial(self, number: int, attempt: StoredAttempt) -> TrialRow:
+        names, session, end = self._names, attempt.session, attempt.finished
+        assert session.choice is not None and session.condition is not None
+        optimal = 1 - session.choice
+        rewards = self._study.rewards
+        reward = None
+        if end is not None:
+            worth = rewards.optimal if end.goal == optimal else rewards.other
+            reward = 0.0 if end.goal is None else worth
+        steps = [step.stepped for step in attempt.steps]
+        first = attempt.presses[0].time if attempt.presses else None
+        return TrialRow(
+            participant=self._record.alias,
+            trial=number,
+            condition=session.condition,
+            robot=self._study.condition(session.condition).robot,
+            device=_device_of(attempt) or session.device,
+            choice=names.goals[session.choice],
+            optimal=names.goals[optimal],
+            finished=end is not None,
+            goal=names.goal(end.goal) if end else None,
+            at_optimal=end.goal == optimal if end else None,
+            reward=reward,
+            steps=len(steps),
+            attempts=attempt.began.attempt,
+            wanted=names.goal(end.wanted) if end else None,
+            changed=end.wanted not in (None, session.choice) if end else None,
+            inputs=sum(step.input is not None for step in steps),
+            disagreements=sum(names.is_disagreement(s.input, s.action) for s in steps),
+            matched=sum(step.matched is True for step in steps),
+            belief_alpha=_over_alpha(end.forecast) if end else None,
+            began=self._since(attempt.began_at),
+            duration=_rounded(attempt.finished_at, attempt.began_at),
+            first_input=_rounded(first, attempt.began_at),
+        )
+
+    def steps(self) -> Iterator[StepRow]:
+        """The steps of all attempts."""
+        for attempt in self._attempts:
+            for step in attempt.steps:
+                yield self._step(attempt, step)
+
+    def _step(self, attempt: StoredAttempt, step: StoredStep) -> StepRow:
+        names, stepped, pressed = self._names, step.stepped, step.pressed
+        cause = cast("Pressed", pressed.event) if pressed else None
+        return StepRow(
+            participant=self._record.alias,
+            stage=attempt.stage.kind,
+            number=attempt.stage.number,
+            attempt=attempt.began.attempt,
+            counts=attempt.finished is not None,
+            step=stepped.step,
+            time=self._since(step.time),
+            state=stepped.state,
+            window=stepped.window,
+            input=names.input(stepped.input),
+            action=names.action(stepped.action),
+            planned=names.action(stepped.planned),
+            agreement=stepped.agreement,
+            matched=stepped.matched,
+            reached=stepped.reached,
+            belief=stepped.belief,
+            device=cause.device if cause else None,
+            input_time=self._since(pressed.time) if pressed else None,
+            page_time=cause.page_time if cause else None,
+            device_time=cause.device_time if cause else None,
+        )
+
+    def answers(self) -> Iterator[AnswerRow]:
+        """The answers, in the order of the questions."""
+        for moment in self._moments:
+            event = moment.entry.event
+            if isinstance(event, Answered):
+                time = self._since(moment.entry.time)
+                if event.stage.kind == "scale":
+                    scale = self._study.scales[event.stage.number - 1]
+                    for item in scale.items:
+                        yield self._rating(item, scale.name, scale.points, event, time)
+                else:
+                    for question in self._study.questions:
+                        if question.name in event.answers:
+                            yield self._reply(question, event.answers[question.name], time)
+
+    def _rating(
+        self, item: Item, scale: str, points: Sequence[str], event: Answered, time: float
+    ) -> AnswerRow:
+        value = cast("int", event.answers[item.name])
+        is_check = item.expected is not None
+        score = len(points) + 1 - value if item.reversed else value
+        return AnswerRow(
+            participant=self._record.alias,
+            item=item.name,
+            scale=scale,
+            kind="check" if is_check else "rating",
+            value=value,
+            score=None if is_check else score,
+            points=len(points),
+            label=points[value - 1],
+            text=None,
+            correct=value == item.expected if is_check else None,
+            time=time,
+        )
+
+    def _reply(self, question: Question, answer: Answer, time: float) -> AnswerRow:
+        value = answer if isinstance(answer, int) else None
+        return AnswerRow(
+            participant=self._record.alias,
+            item=question.name,
+            scale=None,
+            kind="choice" if question.choices else "text",
+            value=value,
+            score=None,
+            points=len(question.choices) or None,
+            label=None if value is None else question.choices[value - 1],
+            text=answer if isinstance(answer, str) else None,
+            correct=None,
+            time=time,
+        )
+
+    def events(self) -> Iterator[EventRow]:
+        """All events, without what names the person."""
+        for entry, before, _ in self._moments:
+            data = encode_event(_nameless(entry.event))
+            yield EventRow(
+                participant=self._record.alias,
+                sequence=entry.sequence,
+                time=self._since(entry.time),
+                stage=str(self._stages[before.position]),
+                event=str(entry.event.__struct_config__.tag),
+                data=data.decode(),
+            )
+
+    def as_json(self) -> bytes:
+        """The session with all its events, a JSON object on one line."""
+        entries = [
+            {
+                "sequence": entry.sequence,
+                "time": self._since(entry.time),
+                **msgspec.to_builtins(_nameless(entry.event)),
+            }
+            for entry in self._record.entries
+        ]
+        participant = msgspec.to_builtins(self.participant())
+        return msgspec.json.encode({**participant, "events": entries})
+
+
+def _last(moments: Sequence[Moment], kind: type[Kind]) -> Kind | None:
+    found = (m.entry.event for m in reversed(moments))
+    return next((event for event in found if isinstance(event, kind)), None)
+
+
+def _nameless(event: Event) -> Event:
+    return msgspec.structs.replace(event, parameters={}) if isinstance(event, Opened) else event
+
+
+def _device_of(attempt: StoredAttempt) -> str | None:
+    """What most of the inputs came from."""
+    devices = Counter(e.event.device for e in attempt.presses if isinstance(e.event, Pressed))
+    return devices.most_common(1)[0][0] if devices else None
+
+
+def _over_alpha(belief: Belief | None) -> tuple[float, ...] | None:
+    return None if belief is None else tuple(math.fsum(row) for row in belief)
+
+
+def _rounded(later: float | None, earlier: float) -> float | None:
+    return None if later is None else round(later - earlier, 6)
