@@ -13,11 +13,15 @@ from sqlalchemy.exc import IntegrityError
 
 from coadapt.errors import InputError
 from coadapt.study.session import Event, decode_event, encode_event
+from coadapt.study.session.events import Noted
 from coadapt.study.store.database import ALLOCATION_LOCK, Database, DatabaseError, Durability
 from coadapt.study.store.schema import EVENTS, FORMAT, METADATA, SESSIONS, SETTINGS
 
 FILE = "study.db"
 """The database of a study's directory where no other is named."""
+
+DELETED = "deleted"
+"""Name of the setting that holds the times of all deletions."""
 
 _ENCODER = msgspec.json.Encoder()
 
@@ -158,6 +162,21 @@ class Store:
         for row in self.rows():
             yield row, self.events(row.id)
 
+    def noted(self, what: str) -> set[str]:
+        """The keys of the sessions with the bare event ``Noted(what=what)``."""
+        data = encode_event(Noted(what=what)).decode()
+        query = (
+            select(SESSIONS.c.key)
+            .join(EVENTS, EVENTS.c.session == SESSIONS.c.id)
+            .where(EVENTS.c.kind == "noted", EVENTS.c.data == data)
+        )
+        with self.database.reading() as connection:
+            return set(connection.execute(query).scalars())
+
+    def deleted(self) -> tuple[float, ...]:
+        """When sessions were deleted, in seconds since 1970: all that is left of them."""
+        return _decode_times(self.setting(DELETED))
+
     # Writing
 
     def append(self, connection: Connection, additions: Sequence[Addition]) -> None:
@@ -203,7 +222,9 @@ class Store:
         return [_row(row) for row in connection.execute(query)]
 
     def delete(self, connection: Connection, session: int) -> None:
-        """Delete the session with this ``id`` and all its events."""
+        """Delete the session with this ``id`` and all its events; that it was done is kept."""
+        times = (*_decode_times(get_setting(connection, DELETED)), time.time())
+        set_setting(connection, DELETED, _ENCODER.encode(times).decode())
         connection.execute(EVENTS.delete().where(EVENTS.c.session == session))
         connection.execute(SESSIONS.delete().where(SESSIONS.c.id == session))
 
@@ -245,6 +266,10 @@ def shown(error: DatabaseError) -> str:
     """``error`` without statement, parameters or password."""
     cause: object = getattr(error, "orig", None) or error
     return " ".join(f"{cause}".split())[:200]
+
+
+def _decode_times(setting: str | None) -> tuple[float, ...]:
+    return msgspec.json.decode(setting or "[]", type=tuple[float, ...])
 
 
 _LAST = EVENTS.alias()
