@@ -15,9 +15,9 @@ from coadapt.simulation import SimulatedPartner
 from coadapt.study.allocation import Allotted, allocate
 from coadapt.study.protocol import Study, read_study
 from coadapt.study.protocol.reader import FILE, template
-from coadapt.study.randomness import attempt_rng
-from coadapt.study.record import SIMULATED, Entry, Record
+from coadapt.study.record import SIMULATED, Record
 from coadapt.study.robots import Robots, load_robots
+from coadapt.study.seeds import attempt_rng
 from coadapt.study.session import BEGINNING, Session, Stage, advance
 from coadapt.study.session.events import (
     Allocated,
@@ -33,6 +33,7 @@ from coadapt.study.session.events import (
     Read,
 )
 from coadapt.study.session.machine import asked_questions, stage_of
+from coadapt.study.store import Digest, Kept, Row
 from coadapt.study.trial import Attempt, Practice
 
 NOON = 1_790_000_000.0
@@ -58,6 +59,8 @@ class Driver:
         seed: of everything they do.
         began: when they come, in seconds since 1970.
         allotted: the condition; by the rules for an only participant if None.
+        alpha: how readily they change to what the robot seems to want.
+        number: of the session.
     """
 
     def __init__(
@@ -66,30 +69,37 @@ class Driver:
         robots: Robots,
         key: str,
         seed: int,
+        *,
         began: float = NOON,
         allotted: str | None = None,
         alpha: float = 0.5,
+        number: int = 1,
     ) -> None:
         self._study, self._robots, self._key = study, robots, key
         self._rng = np.random.default_rng(seed)
         self._time = began
         self._allotted = allotted
         self._alpha = alpha
-        self._sequence = 0
+        self._sequence, self._number = 0, number
         self.session: Session = BEGINNING
-        self.entries: list[Entry] = []
+        self.events: list[Kept] = []
 
     @property
     def record(self) -> Record:
         """What is stored so far."""
-        return Record(self._key, tuple(self.entries))
+        session = self.session
+        digest = Digest(session.condition, session.choice, session.device, session.end)
+        place = None if session.condition is None else self._number
+        first, last = self.events[0].time, self.events[-1].time
+        row = Row(self._number, self._key, first, None, place, digest, last)
+        return Record(row, tuple(self.events))
 
     def record_event(self, *events: Event, after: float = 0.25) -> None:
         """Store events as the server does, ``after`` so many seconds."""
         self._time += after
         for event in events:
             self.session = advance(self._study, self.session, event)
-            self.entries.append(Entry(len(self.entries) + 1, self._time, event))
+            self.events.append(Kept(len(self.events) + 1, self._time, event))
 
     def open(self, parameters: dict[str, str] | None = None, *, simulated: bool = False) -> None:
         """Come by a link."""
@@ -193,6 +203,6 @@ def sessions(n: int) -> Sequence[Record]:
     _, study, _ = small_study()
     names = [c.name for c in study.conditions]
     return [
-        session(f"key-{i}", i, began=NOON + 600 * i, allotted=names[i % len(names)])
+        session(f"key-{i}", i, began=NOON + 600 * i, allotted=names[i % len(names)], number=i + 1)
         for i in range(n)
     ]

@@ -5,10 +5,11 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
-from coadapt.study.record import Entry, Moment
+from coadapt.study.record import Moment
 from coadapt.study.session.events import Began, Finished, Pressed, Stepped
 from coadapt.study.session.plan import Stage
 from coadapt.study.session.state import Session
+from coadapt.study.store import Kept
 
 
 @dataclass
@@ -17,7 +18,7 @@ class StoredStep:
 
     time: float
     stepped: Stepped
-    pressed: Entry | None
+    pressed: Kept | None
 
 
 @dataclass
@@ -37,7 +38,7 @@ class StoredAttempt:
     session: Session
     began_at: float
     began: Began
-    presses: list[Entry] = field(default_factory=list[Entry])
+    presses: list[Kept] = field(default_factory=list[Kept])
     steps: list[StoredStep] = field(default_factory=list[StoredStep])
     finished: Finished | None = None
     finished_at: float | None = None
@@ -52,26 +53,26 @@ class StoredAttempt:
         """The robot state in the end."""
         return self.steps[-1].stepped.reached if self.steps else self.began.start
 
-    def pressed(self, human_input: int | None) -> Entry | None:
+    def pressed(self, human_input: int | None) -> Kept | None:
         """The last change of input so far that was to ``human_input``; None if that is None."""
         if human_input is None:
             return None
-        for entry in reversed(self.presses):
-            if isinstance(entry.event, Pressed) and entry.event.input == human_input:
-                return entry
+        for kept in reversed(self.presses):
+            if isinstance(kept.event, Pressed) and kept.event.input == human_input:
+                return kept
         return None
 
 
 def attempts_of(moments: Sequence[Moment]) -> list[StoredAttempt]:
     """All attempts of a session, in their order."""
     attempts: list[StoredAttempt] = []
-    for entry, before, _ in moments:
-        event, time = entry.event, entry.time
+    for kept, before, _ in moments:
+        event, time = kept.event, kept.time
         match event:
             case Began():
                 attempts.append(StoredAttempt(before, time, event))
             case Pressed() if attempts:
-                attempts[-1].presses.append(entry)
+                attempts[-1].presses.append(kept)
             case Stepped():
                 last = attempts[-1]
                 last.steps.append(StoredStep(time, event, last.pressed(event.input)))

@@ -2,15 +2,17 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from hashlib import sha256
-from typing import Literal, NamedTuple
+from pathlib import Path
+from typing import Literal, NamedTuple, Self
 
 from coadapt.study.protocol import Study
-from coadapt.study.session.events import Allocated, Event, Excluded, Noted, Readmitted
+from coadapt.study.session.events import Noted
 from coadapt.study.session.machine import advance
 from coadapt.study.session.state import BEGINNING, Session
+from coadapt.study.store import Kept, Row, Store
 
 SIMULATED = "simulated"
 """`Noted.what` of a session that no real person takes part in."""
@@ -21,18 +23,10 @@ Standing = Literal["completed", "active", "stale", "declined", "withdrawn", "exc
 """What became of a session; ``stale``: without a sign of life for too long."""
 
 
-class Entry(NamedTuple):
-    """A stored event: its number in the session, and when, in seconds since 1970 by the server."""
-
-    sequence: int
-    time: float
-    event: Event
-
-
 class Moment(NamedTuple):
-    """An entry with the session before and after it."""
+    """A stored event with the session before and after it."""
 
-    entry: Entry
+    kept: Kept
     before: Session
     after: Session
 
@@ -42,66 +36,100 @@ class Record:
     """All that is stored of one session.
 
     Attributes:
-        key: of its link.
-        entries: in the order of their numbers; at least one.
+        row: in the table of sessions.
+        events: in the order of their numbers; at least one.
     """
 
-    key: str
-    entries: Sequence[Entry]
+    row: Row
+    events: Sequence[Kept]
+
+    @property
+    def key(self) -> str:
+        """The unguessable part of its link."""
+        return self.row.key
 
     @property
     def alias(self) -> str:
         """What it is called where the key, with which one could get into it, must not be told."""
-        return sha256(self.key.encode()).hexdigest()[:12]
+        return alias_of(self.row.key)
 
     @property
     def opened(self) -> float:
         """When it began, in seconds since 1970."""
-        return self.entries[0].time
-
-    @property
-    def last_sign(self) -> float:
-        """When something last happened in it that was not the researcher's doing."""
-        theirs = [e.time for e in self.entries if not isinstance(e.event, Excluded | Readmitted)]
-        return max(theirs, default=self.opened)
+        return self.events[0].time
 
     @property
     def is_simulated(self) -> bool:
         """Whether a program takes part in it."""
-        return any(isinstance(e.event, Noted) and e.event.what == SIMULATED for e in self.entries)
-
-    @property
-    def allocated(self) -> float | None:
-        """When it was allocated to a condition."""
-        times = (e.time for e in self.entries if isinstance(e.event, Allocated))
-        return next(times, None)
+        return any(isinstance(e.event, Noted) and e.event.what == SIMULATED for e in self.events)
 
     def moments(self, study: Study) -> list[Moment]:
-        """Every entry with the session before and after it.
+        """Every event with the session before and after it.
 
         Raises:
             NotNow: if the events cannot have happened in this order.
         """
         session, moments = BEGINNING, list[Moment]()
-        for entry in self.entries:
-            after = advance(study, session, entry.event)
-            moments.append(Moment(entry, session, after))
+        for kept in self.events:
+            after = advance(study, session, kept.event)
+            moments.append(Moment(kept, session, after))
             session = after
         return moments
 
 
-def standing(study: Study, session: Session, last_sign: float, now: float) -> Standing:
-    """What has become of ``session`` by the time ``now``.
+def alias_of(key: str) -> str:
+    """What the session with this key is called where the key must not be told."""
+    return sha256(key.encode()).hexdigest()[:12]
+
+
+def standing(study: Study, end: str | None, seen: float, now: float) -> Standing:
+    """What has become of a session by the time ``now``.
 
     Args:
         study: says when a session is stale.
-        session: as it is.
-        last_sign: when something last happened in it.
-        now: as ``last_sign`` in seconds since 1970.
+        end: how it ended, as in `Session.end`.
+        seen: time of its last event.
+        now: as ``seen`` in seconds since 1970.
     """
-    if session.end == "finished":
+    if end == "finished":
         return "completed"
-    if session.end is not None:
-        return session.end
-    is_stale = now - last_sign > study.allocation.stale_minutes * MINUTE
+    if end is not None:
+        return end  # pyright: ignore
+    is_stale = now - seen > study.allocation.stale_minutes * MINUTE
     return "stale" if is_stale else "active"
+
+
+@dataclass(frozen=True)
+class Stored:
+    """A study with what is stored of it.
+
+    Attributes:
+        directory: of the study.
+        study: its protocol.
+        records: gives its sessions, in the order in which they were opened, one at a time in
+            memory.
+        is_mixed: whether both real people and programs take part.
+        deleted: when sessions were deleted, in seconds since 1970.
+    """
+
+    directory: Path
+    study: Study
+    records: Callable[[], Iterable[Record]]
+    is_mixed: bool = False
+    deleted: tuple[float, ...] = ()
+
+    @classmethod
+    def of(cls, directory: Path, study: Study, store: Store) -> Self:
+        """What ``store`` holds of ``study``.
+
+        Raises:
+            StoreError: if it cannot be read.
+        """
+
+        def records() -> Iterable[Record]:
+            found = (Record(row, events) for row, events in store.all_events())
+            return (record for record in found if record.events)  # others were deleted meanwhile
+
+        simulated = len(store.noted(SIMULATED))
+        is_mixed = 0 < simulated < len(store.rows())
+        return cls(directory, study, records, is_mixed, store.deleted())

@@ -1,7 +1,7 @@
 """The data of a study as tables that can be published and analysed."""
 
 from coadapt.study.export.column import Column, Meaning, Table
-from coadapt.study.export.export import Stored, export
+from coadapt.study.export.export import export
 from coadapt.study.export.materials import Counts, Manifest
 from coadapt.study.export.tables import FORMAT, TABLES
 
@@ -12,7 +12,6 @@ __all__ = [
     "Counts",
     "Manifest",
     "Meaning",
-    "Stored",
     "Table",
     "export",
 ]

@@ -80,5 +80,5 @@ def _columns_of(row: type[Row]) -> tuple[Column, ...]:
 def _column(name: str, hint: Any) -> Column:
     value, meaning = get_args(hint)
     options = (value,) if get_origin(value) is tuple else get_args(value) or (value,)
-    kinds = [_KINDS[option] for option in options if option is not type(None)]
+    kinds: list[Kind] = [_KINDS[option] for option in options if option is not type(None)]
     return Column(name, kinds[0], type(None) in options, meaning)

@@ -6,9 +6,8 @@ import os
 import secrets
 import shutil
 from collections import Counter
-from collections.abc import Callable, Iterable, Mapping
-from contextlib import ExitStack
-from dataclasses import dataclass
+from collections.abc import Callable, Generator
+from contextlib import ExitStack, contextmanager
 from datetime import UTC, datetime
 from hashlib import sha256
 from pathlib import Path
@@ -26,7 +25,7 @@ from coadapt.study.export.materials import (
     write_readme,
 )
 from coadapt.study.export.names import Names
-from coadapt.study.export.rows import Place, SessionRows
+from coadapt.study.export.rows import SessionRows
 from coadapt.study.export.tables import (
     ANSWERS,
     EVENTS,
@@ -36,33 +35,11 @@ from coadapt.study.export.tables import (
     TABLES,
     TRIALS,
 )
-from coadapt.study.protocol import Study
 from coadapt.study.protocol.reader import FILE, study_task
-from coadapt.study.record import Record, standing
-from coadapt.study.session.machine import replayed
-
-Records = Callable[[], Iterable[Record]]
-"""Gives all sessions in the order in which they were opened; is called twice."""
+from coadapt.study.record import Stored
 
 PRIVATE = frozenset({"declined", "withdrawn"})
 """Standings of those whose doings are left out."""
-
-
-@dataclass(frozen=True)
-class Stored:
-    """What an export is made from.
-
-    Attributes:
-        directory: of the study.
-        study: its protocol.
-        records: its sessions.
-        deleted: number of sessions that were deleted.
-    """
-
-    directory: Path
-    study: Study
-    records: Records
-    deleted: int = 0
 
 
 def export(
@@ -89,26 +66,30 @@ def export(
         InputError: if the study's task cannot be used.
         NotNow: if the events of a session cannot have happened in their order.
     """
-    target = Path(os.path.abspath(out))
-    if target.exists() and not (target / MANIFEST).is_file():
-        if not (target.is_dir() and not any(target.iterdir())):
-            raise FileError(out, None, "found something that is no export, expected a new folder")
+    with _new_folder(Path(os.path.abspath(out))) as folder:
+        return _write(stored, folder, now, private, progress)
+
+
+@contextmanager
+def _new_folder(target: Path) -> Generator[Path]:
+    """A folder to fill, which takes the place of ``target`` if all goes well."""
+    is_export = (target / MANIFEST).is_file()
+    is_empty = target.is_dir() and not any(target.iterdir())
+    if target.exists() and not is_export and not is_empty:
+        raise FileError(target, None, "found something that is no export, expected a new folder")
     draft = target.with_name(f".{target.name[:100]}.{secrets.token_hex(4)}.tmp")
+    old = draft.with_suffix(".old")
     try:
         draft.mkdir()
-        manifest = _write(stored, draft, now, private, progress)
+        yield draft
         if target.exists():
-            aside = draft.with_suffix(".old")
-            target.rename(aside)
-            draft.rename(target)
-            shutil.rmtree(aside)
-        else:
-            draft.rename(target)
+            target.rename(old)
+        draft.rename(target)
     except OSError as error:
-        raise FileError(out, None, f"cannot be written: {error.strerror}") from error
+        raise FileError(target, None, f"cannot be written: {error.strerror}") from error
     finally:
         shutil.rmtree(draft, ignore_errors=True)
-    return manifest
+        shutil.rmtree(old, ignore_errors=True)
 
 
 def _write(
@@ -120,22 +101,20 @@ def _write(
     data, parquet, raw = (folder / p for p in ("data", "data/parquet", "data/raw"))
     for path in (data, parquet, raw):
         path.mkdir()
-    progress("Counting sessions")
-    places = places_of(study, stored.records(), now)
-    simulated = 0
+    standings = Counter[str]()
+    included = simulated = 0
     with ExitStack() as stack:
         files = {t.name: stack.enter_context(TableFiles(t, data, parquet)) for t in TABLES}
         lines = stack.enter_context((raw / "sessions.jsonl").open("wb"))
-        for i, record in enumerate(stored.records()):
-            progress(f"Writing session {i + 1:,} of {len(places):,}")
-            place = places.get(record.key)
-            if place is None:  # opened since the counting
-                continue
-            session = SessionRows(study, names, record, place)
+        for record in stored.records():
+            session = SessionRows(stored, names, record, now)
             participant = session.participant()
+            standings[participant.standing] += 1
+            included += participant.included
             simulated += participant.simulated
+            progress(f"Exporting: {standings.total():,} sessions")
             files[PARTICIPANTS.name].write([participant])
-            if private or place.standing not in PRIVATE:
+            if private or participant.standing not in PRIVATE:
                 files[TRIALS.name].write(session.trials())
                 files[STEPS.name].write(session.steps())
                 files[ANSWERS.name].write(session.answers())
@@ -148,11 +127,11 @@ def _write(
         protocol_sha256=sha256(protocol).hexdigest(),
         exported=datetime.fromtimestamp(now, UTC).isoformat(timespec="seconds"),
         counts=Counts(
-            sessions=len(places),
-            included=sum(place.included for place in places.values()),
+            sessions=standings.total(),
+            included=included,
             simulated=simulated,
-            standing=dict(Counter(place.standing for place in places.values())),
-            deleted=stored.deleted,
+            standing=dict(standings),
+            deleted=len(stored.deleted),
         ),
         rows={name: file.rows for name, file in files.items()},
     )
@@ -161,31 +140,3 @@ def _write(
     write_readme(folder, study, manifest)
     write_manifest(folder, manifest)
     return manifest
-
-
-def places_of(study: Study, records: Iterable[Record], now: float) -> Mapping[str, Place]:
-    """By its key: where each session stands among all by the time ``now``.
-
-    Raises:
-        NotNow: if the events of a session cannot have happened in their order.
-    """
-    standings, simulated = {}, set[str]()
-    allocated: list[tuple[float, str]] = []
-    for record in records:
-        session = replayed(study, (entry.event for entry in record.entries))
-        standings[record.key] = standing(study, session, record.last_sign, now)
-        if record.is_simulated:
-            simulated.add(record.key)
-        if record.allocated is not None:
-            allocated.append((record.allocated, record.key))
-    allocation = {key: i + 1 for i, (_, key) in enumerate(sorted(allocated))}
-    is_mixed = 0 < len(simulated) < len(standings)
-    return {
-        key: Place(
-            number=i + 1,
-            allocation=allocation.get(key),
-            standing=stands,
-            included=stands == "completed" and not (is_mixed and key in simulated),
-        )
-        for i, (key, stands) in enumerate(standings.items())
-    }

@@ -5,16 +5,14 @@ from __future__ import annotations
 import csv
 from collections.abc import Iterable
 from contextlib import ExitStack
+from importlib import import_module
 from pathlib import Path
 from types import TracebackType
-from typing import TYPE_CHECKING, Any, Self
+from typing import Any, Self
 
 import msgspec
 
 from coadapt.study.export.column import Column, Kind, Row, Table
-
-if TYPE_CHECKING:
-    import pyarrow as pa
 
 BATCH = 20_000
 """Rows held in memory, and of a row group of the Parquet file."""
@@ -35,8 +33,8 @@ class TableFiles:
     """
 
     def __init__(self, table: Table, data: Path, parquet: Path) -> None:
-        from pyarrow import parquet as pq
-
+        # pyarrow comes without types, and is heavy.
+        pq: Any = import_module("pyarrow.parquet")
         self.rows = 0
         self._columns = table.columns
         self._held: list[Row] = []
@@ -71,8 +69,7 @@ class TableFiles:
         self._stack.close()
 
     def _flush(self) -> None:
-        import pyarrow as pa
-
+        pa: Any = import_module("pyarrow")
         rows = [msgspec.structs.astuple(row) for row in self._held]
         self._csv.writerows([_cell(value) for value in row] for row in rows)
         columns: list[Any] = list(zip(*rows, strict=True)) or [()] * len(self._columns)
@@ -96,10 +93,10 @@ def _cell(value: object) -> str:
     return value if isinstance(value, str) else repr(value)
 
 
-def _schema(columns: Iterable[Column]) -> pa.Schema:
-    import pyarrow as pa
-
-    types: dict[Kind, pa.DataType] = {
+def _schema(columns: Iterable[Column]) -> Any:
+    """The schema of the Parquet file, each column with its meaning."""
+    pa: Any = import_module("pyarrow")
+    types: dict[Kind, Any] = {
         "text": pa.string(),
         "integer": pa.int64(),
         "number": pa.float64(),

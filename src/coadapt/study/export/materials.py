@@ -151,19 +151,20 @@ There are {sessions} sessions: {standing}. Of these {simulated} are simulated. A
 `included` is true in the table of participants: {included}.
 
 Sessions that did not come to their end stay in the tables and are marked by `standing`. Of those
-who did not consent or who withdrew only the row in the table of participants is given, and nothing of
-what they did, unless the export was asked for it. {deleted} sessions were deleted at the
-participant's wish, and nothing is left of them.
+who did not consent or who withdrew there is only the row in the table of participants, and nothing
+of what they did, unless the export was asked for it. {deleted} sessions were deleted at the
+participant's wish; nothing is left of them.
 
 | file | rows | contents |
 | --- | --- | --- |
 {tables}
 
-The same tables are in `data/parquet` with their types. CSV files are UTF-8 with a header; an empty cell
-is a missing value, lists are JSON. Every column is explained in `documentation/codebook.md`.
+The same tables are in `data/parquet` with their types. CSV files are UTF-8 with a header; an empty
+cell is a missing value, lists are JSON. Every column is explained in `documentation/codebook.md`.
 `data/raw/sessions.jsonl` holds each session with its events, a JSON object a line.
 
-`materials/study.toml` is the protocol. `materials/model.json` names states, goals, inputs, actions and the
-values of adaptability, in the order of their numbers in the tables. `materials/robots.json` holds what
-the robots were built from. `export.json` describes this export for programs.
+`materials/study.toml` is the protocol. `materials/model.json` names states, goals, inputs, actions
+and the values of adaptability, in the order of their numbers in the tables.
+`materials/robots.json` holds what the robots were built from. `export.json` describes this export
+for programs.
 """

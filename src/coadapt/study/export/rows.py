@@ -5,7 +5,6 @@ from __future__ import annotations
 import math
 from collections import Counter
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass
 from datetime import UTC, datetime
 from typing import TypeVar, cast
 
@@ -14,8 +13,8 @@ import msgspec
 from coadapt.study.attempts import StoredAttempt, StoredStep, attempts_of
 from coadapt.study.export.names import Names
 from coadapt.study.export.tables import AnswerRow, EventRow, Participant, StepRow, TrialRow
-from coadapt.study.protocol import Item, Question, Study
-from coadapt.study.record import Moment, Record, Standing
+from coadapt.study.protocol import Item, Question
+from coadapt.study.record import Moment, Record, Stored, standing
 from coadapt.study.session.events import (
     Answer,
     Answered,
@@ -36,43 +35,30 @@ LOST = "disconnected"
 """`Noted.what` of a lost connection."""
 
 
-@dataclass(frozen=True)
-class Place:
-    """Where a session stands among all.
-
-    Attributes:
-        number: in the order of opening, from 1.
-        allocation: in the order of allocation, from 1; None if it was not allocated.
-        standing: what has become of it.
-        included: whether it is to be analysed.
-    """
-
-    number: int
-    allocation: int | None
-    standing: Standing
-    included: bool
-
-
 class SessionRows:
     """One session as rows of the tables.
 
     Args:
-        study: the protocol.
+        stored: the study.
         names: of goals, inputs and actions.
-        record: what is stored of it.
-        place: where it stands among all.
+        record: what is stored of the session.
+        now: seconds since 1970; by then it may be stale.
 
     Raises:
         NotNow: if the events cannot have happened in this order.
     """
 
-    def __init__(self, study: Study, names: Names, record: Record, place: Place) -> None:
-        self._study, self._names, self._place = study, names, place
-        self._record = record
-        self._moments: Sequence[Moment] = record.moments(study)
+    def __init__(self, stored: Stored, names: Names, record: Record, now: float) -> None:
+        self._study, self._names, self._record = stored.study, names, record
+        self._moments = record.moments(stored.study)
         self._attempts = attempts_of(self._moments)
         self._session = self._moments[-1].after
-        self._stages = plan_of(study)
+        self._stages = plan_of(stored.study)
+        seen = record.events[-1].time
+        self._standing = standing(stored.study, self._session.end, seen, now)
+        # In a study with real participants too, simulated ones do not count.
+        counts = not (stored.is_mixed and record.is_simulated)
+        self._included = self._standing == "completed" and counts
 
     def _since(self, time: float) -> float:
         """``time`` in seconds since the session was opened."""
@@ -82,7 +68,7 @@ class SessionRows:
         """The session itself."""
         study, session, record = self._study, self._session, self._record
         checked = _last(self._moments, Checked)
-        answered = [e.time for e in record.entries if isinstance(e.event, Answered)]
+        answered = [e.time for e in record.events if isinstance(e.event, Answered)]
         condition = session.condition
         wrong = [
             session.answers[item.name] != item.expected
@@ -91,13 +77,13 @@ class SessionRows:
             if item.expected is not None and item.name in session.answers
         ]
         excluded = _last(self._moments, Excluded)
-        is_excluded = self._place.standing == "excluded" and excluded is not None
+        is_excluded = self._standing == "excluded"
         return Participant(
             participant=record.alias,
-            number=self._place.number,
-            included=self._place.included,
-            standing=self._place.standing,
-            reason=excluded.reason if is_excluded else None,
+            number=record.row.id,
+            included=self._included,
+            standing=self._standing,
+            reason=excluded.reason if excluded and is_excluded else None,
             simulated=record.is_simulated,
             opened=datetime.fromtimestamp(record.opened, UTC).isoformat(timespec="milliseconds"),
             duration=self._since(answered[-1]) if answered else None,
@@ -111,13 +97,13 @@ class SessionRows:
             choice=self._names.goal(session.choice),
             condition=condition,
             robot=None if condition is None else study.condition(condition).robot,
-            allocation=self._place.allocation,
+            allocation=record.row.place,
             trials=len(session.results),
             changed=session.changed if session.results else None,
             checks=len(wrong),
             checks_failed=sum(wrong),
             connections_lost=sum(
-                isinstance(e.event, Noted) and e.event.what == LOST for e in record.entries
+                isinstance(e.event, Noted) and e.event.what == LOST for e in record.events
             ),
         )
 
@@ -198,9 +184,9 @@ class SessionRows:
     def answers(self) -> Iterator[AnswerRow]:
         """The answers, in the order of the questions."""
         for moment in self._moments:
-            event = moment.entry.event
+            event = moment.kept.event
             if isinstance(event, Answered):
-                time = self._since(moment.entry.time)
+                time = self._since(moment.kept.time)
                 if event.stage.kind == "scale":
                     scale = self._study.scales[event.stage.number - 1]
                     for item in scale.items:
@@ -248,14 +234,14 @@ class SessionRows:
 
     def events(self) -> Iterator[EventRow]:
         """All events, without what names the person."""
-        for entry, before, _ in self._moments:
-            data = encode_event(_nameless(entry.event))
+        for kept, before, _ in self._moments:
+            data = encode_event(_nameless(kept.event))
             yield EventRow(
                 participant=self._record.alias,
-                sequence=entry.sequence,
-                time=self._since(entry.time),
+                sequence=kept.sequence,
+                time=self._since(kept.time),
                 stage=str(self._stages[before.position]),
-                event=str(entry.event.__struct_config__.tag),
+                event=str(kept.event.__struct_config__.tag),
                 data=data.decode(),
             )
 
@@ -263,18 +249,18 @@ class SessionRows:
         """The session with all its events, a JSON object on one line."""
         entries = [
             {
-                "sequence": entry.sequence,
-                "time": self._since(entry.time),
-                **msgspec.to_builtins(_nameless(entry.event)),
+                "sequence": kept.sequence,
+                "time": self._since(kept.time),
+                **msgspec.to_builtins(_nameless(kept.event)),
             }
-            for entry in self._record.entries
+            for kept in self._record.events
         ]
         participant = msgspec.to_builtins(self.participant())
         return msgspec.json.encode({**participant, "events": entries})
 
 
 def _last(moments: Sequence[Moment], kind: type[Kind]) -> Kind | None:
-    found = (m.entry.event for m in reversed(moments))
+    found = (m.kept.event for m in reversed(moments))
     return next((event for event in found if isinstance(event, kind)), None)
 
 

@@ -21,7 +21,11 @@ class Participant(Row, frozen=True, kw_only=True):
 
     participant: Person
     number: Annotated[
-        int, Meaning("Place in the order in which the sessions were opened.", values="from 1")
+        int,
+        Meaning(
+            "Number of the session in the order of opening.",
+            values="from 1; those of deleted sessions are missing",
+        ),
     ]
     included: Annotated[
         bool,
@@ -66,7 +70,7 @@ class Participant(Row, frozen=True, kw_only=True):
     robot: Annotated[str | None, Meaning("The robot of that condition.")]
     allocation: Annotated[
         int | None,
-        Meaning("Place in the order in which sessions were allocated.", values="from 1"),
+        Meaning("Place in the order of allocation.", values="from 1"),
     ]
     trials: Annotated[int, Meaning("Number of trials finished.")]
     changed: Annotated[
