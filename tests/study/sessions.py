@@ -206,3 +206,18 @@ def sessions(n: int) -> Sequence[Record]:
         session(f"key-{i}", i, began=NOON + 600 * i, allotted=names[i % len(names)], number=i + 1)
         for i in range(n)
     ]
+
+
+@cache
+def allocated_sessions(n: int) -> Sequence[Record]:
+    """``n`` whole sessions, one after the other, allocated by the rules."""
+    study = small_study()[1]
+    before: list[Allotted] = []
+    records: list[Record] = []
+    for i in range(n):
+        condition = allocate(study, before)
+        assert condition is not None
+        began = NOON + 600 * i
+        records.append(session(f"key-{i}", i, began=began, allotted=condition, number=i + 1))
+        before.append(Allotted(condition, "completed"))
+    return records
