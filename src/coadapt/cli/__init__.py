@@ -5,12 +5,12 @@ from __future__ import annotations
 import os
 import sys
 from collections.abc import Sequence
-from importlib import import_module
 from io import TextIOWrapper
 
 import click
 
 from coadapt import __version__
+from coadapt.cli.lazy import LazyGroup
 from coadapt.errors import InputError, printable
 
 COMMANDS = {
@@ -25,6 +25,7 @@ COMMANDS = {
     "simulate": "Run a robot with simulated people.",
     "solve": "Plan for a problem: a policy with certified bounds.",
     "sweep": "Run a grid of simulations, on this machine or a cluster.",
+    "study": "Studies that people take part in.",
     "tasks": "List the tasks, or show one.",
 }
 """Every command with its one-line summary; ``coadapt.cli.NAME`` holds it as ``command``."""
@@ -34,28 +35,10 @@ INTERRUPTED = 128 + 2  # as if ended by SIGINT
 BROKEN_PIPE = 128 + 13  # as if ended by SIGPIPE
 
 
-class LazyGroup(click.Group):
-    """A group that knows its commands by name and imports one when it is used."""
-
-    def list_commands(self, ctx: click.Context) -> list[str]:
-        """The names of all commands."""
-        return sorted(COMMANDS)
-
-    def get_command(self, ctx: click.Context, cmd_name: str) -> click.Command | None:
-        """The command ``cmd_name``, imported now; None if there is none."""
-        if cmd_name not in COMMANDS:
-            return None
-        command: click.Command = import_module(f"coadapt.cli.{cmd_name}").command
-        return command
-
-    def format_commands(self, ctx: click.Context, formatter: click.HelpFormatter) -> None:
-        """List the commands by their summaries, without importing them."""
-        with formatter.section("Commands"):
-            formatter.write_dl(sorted(COMMANDS.items()))
-
-
 @click.group(
     cls=LazyGroup,
+    package="coadapt.cli",
+    summaries=COMMANDS,
     invoke_without_command=True,
     context_settings={"help_option_names": ["-h", "--help"]},
 )

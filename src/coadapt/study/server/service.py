@@ -6,6 +6,7 @@ import asyncio
 import secrets
 import time
 from collections.abc import Mapping
+from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
@@ -19,7 +20,7 @@ from coadapt.study.session import BEGINNING, Event, NotNow, Session, advance
 from coadapt.study.session.events import Allocated, Excluded, Opened, Readmitted
 from coadapt.study.store import Addition, Digest, Kept, Row, Store, StoreError, Taken, Writer
 from coadapt.study.store.schema import LONGEST_PARTICIPANT
-from coadapt.study.store.store import IntegrityError, get_setting, set_place, set_setting
+from coadapt.study.store.store import IntegrityError, set_place, set_setting
 
 Status = Literal["open", "closed", "paused"]
 """``"closed"``: nobody new is let in; ``"paused"``: those under way have to wait too."""
@@ -64,7 +65,7 @@ class _Entry:
 class Service:
     """A study that is being run.
 
-    To be made within the event loop that uses it. Several processes may serve the same database.
+    To be used within one event loop. Several processes may serve the same database.
 
     Args:
         study: the protocol.
@@ -208,10 +209,8 @@ class Service:
 
             if entry.session.condition is None and entry.session.choice is not None:
                 entry.fresh = False
-                try:
+                with suppress(IntegrityError):  # another process was faster
                     await self._writer.transaction(choose)
-                except IntegrityError:  # another process was faster
-                    pass
                 await self._refresh(entry)
             return entry.session
 
@@ -285,12 +284,13 @@ class Service:
 
     async def _refresh(self, entry: _Entry) -> None:
         """Bring ``entry`` up to date with the database."""
-        new = await asyncio.to_thread(self.store.events, entry.row.id, entry.sequence)
-        if not new and entry.sequence == 0:  # every session has a first event
+        # The last one that is known comes again: without it the session has been deleted.
+        found = await asyncio.to_thread(self.store.events, entry.row.id, entry.sequence - 1)
+        if not found:
             self._entries.pop(entry.row.key, None)
             raise KeyError(entry.row.key)
         try:
-            for kept in new:
+            for kept in found[min(entry.sequence, 1) :]:
                 entry.session = advance(self.study, entry.session, kept.event)
                 entry.sequence = kept.sequence
         except NotNow as error:
@@ -335,6 +335,3 @@ def _allocate(study: Study, store: Store, connection: Connection, entry: _Entry)
 def covariates_of(digest: Digest) -> dict[str, str]:
     """What a session is balanced by, see `coadapt.study.protocol.Allocation`."""
     return {"choice": f"{digest.choice}", "device": f"{digest.device}"}
-
-
-__all__ = ["Closed", "Service", "Status", "Unreadable", "get_setting"]

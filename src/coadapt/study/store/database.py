@@ -62,10 +62,12 @@ class Database:
         self.is_sqlite = parsed.get_backend_name() == "sqlite"
         self.insert_events = text(_INSERT[parsed.get_backend_name()])
         if self.is_sqlite:
-            self.engine = create_engine(parsed, connect_args={"timeout": PATIENCE})
+            self.engine = create_engine(
+                parsed, connect_args={"timeout": PATIENCE}, hide_parameters=True
+            )
             _prepare_sqlite(self.engine, durability)
         else:
-            self.engine = create_engine(parsed, pool_pre_ping=True)
+            self.engine = create_engine(parsed, pool_pre_ping=True, hide_parameters=True)
         self._writing = self.engine.execution_options(coadapt_writes=True)
 
     @contextmanager
@@ -136,6 +138,7 @@ def _prepare_sqlite(engine: Engine, durability: Durability) -> None:
             "journal_mode = WAL",
             f"synchronous = {synchronous}",
             "foreign_keys = ON",
+            "secure_delete = ON",  # deleted data are overwritten
             f"wal_autocheckpoint = {CHECKPOINT_PAGES}",
         ):
             connection.execute(f"PRAGMA {pragma}")

@@ -41,6 +41,7 @@ SESSIONS = Table(
     Column("choice", Integer),
     Column("device", String(16)),
     Column("end", String(16)),
+    sqlite_autoincrement=True,  # the number of a deleted session is never given again
 )
 
 EVENTS = Table(

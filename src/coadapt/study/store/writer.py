@@ -57,19 +57,18 @@ class _Job:
 class Writer:
     """Writes to ``store``. Whoever calls waits until their data are safe.
 
-    To be made and used within one event loop.
+    To be used within one event loop.
     """
 
     def __init__(self, store: Store, delay: float = DELAY) -> None:
         self._store = store
         self._delay = delay
-        self._loop = asyncio.get_running_loop()
         self._jobs: queue.SimpleQueue[_Job | None] = queue.SimpleQueue()
         self._next: _Job | None = None  # taken from the queue, for the next group
         self._waiting = 0
         self._closing = False
+        self._loop: asyncio.AbstractEventLoop | None = None
         self._thread = threading.Thread(target=self._run, name="writer", daemon=True)
-        self._thread.start()
 
     async def append(self, addition: Addition) -> None:
         """Append events to a session, committed together with those of others.
@@ -78,7 +77,7 @@ class Writer:
             Taken: if the sequence number is taken, or the session has been deleted.
             StoreError: if it could not be stored.
         """
-        await self._wait(_Job(self._loop.create_future(), addition=addition))
+        await self._wait(_Job(_future(), addition=addition))
 
     async def transaction(self, work: Callable[[Connection], T]) -> T:
         """What ``work`` returns, called on the writing thread in a transaction of its own.
@@ -86,19 +85,23 @@ class Writer:
         Raises:
             StoreError: if it could not be stored.
         """
-        return await self._wait(_Job(self._loop.create_future(), work=work))  # pyright: ignore
+        return await self._wait(_Job(_future(), work=work))  # pyright: ignore
 
     async def close(self) -> None:
         """Write what is waiting and end."""
         self._closing = True
-        self._jobs.put(None)
-        await asyncio.to_thread(self._thread.join)
+        if self._loop is not None:
+            self._jobs.put(None)
+            await asyncio.to_thread(self._thread.join)
 
     async def _wait(self, job: _Job) -> object:
         if self._closing:
             raise StoreError("the server is stopping")
         if self._waiting >= MOST_WAITING:
             raise Overloaded("too much is waiting to be stored")
+        if self._loop is None:
+            self._loop = asyncio.get_running_loop()
+            self._thread.start()
         self._waiting += 1
         self._jobs.put(job)
         return await job.waiting
@@ -106,6 +109,7 @@ class Writer:
     # On the thread
 
     def _run(self) -> None:
+        assert self._loop is not None
         while group := self._group():
             self._write(group)
             self._loop.call_soon_threadsafe(self._tell, group)
@@ -169,3 +173,7 @@ class Writer:
                 job.waiting.set_result(job.result)
             else:
                 job.waiting.set_exception(job.error)
+
+
+def _future() -> asyncio.Future[object]:
+    return asyncio.get_running_loop().create_future()
