@@ -3,6 +3,7 @@
 #   make demo    install, then write the report of the published results to reproduction/
 #   make test    install with the development tools, then every check and the tests
 #   make lint    the checks without the tests
+#   make bundle  the programs of a study's pages, from their sources in frontend/
 #
 # PYTHON=/path/to/python chooses the interpreter. Everything is installed in .venv, which belongs
 # to this file: an unfinished one is removed and made again.
@@ -12,7 +13,7 @@ BIN := $(VENV)/bin
 REQUIREMENTS := pyproject.toml constraints.txt
 INSTALL := $(BIN)/python -m pip --disable-pip-version-check install --constraint constraints.txt
 
-.PHONY: help demo test lint
+.PHONY: help demo test lint bundle
 .NOTPARALLEL:
 .DEFAULT_GOAL := help
 
@@ -22,14 +23,18 @@ help:
 demo: $(VENV)/.installed
 	$(BIN)/coadapt reproduce --out reproduction
 
-test: lint
+test: lint bundle
 	$(BIN)/python -m pytest -n auto --maxprocesses 4 --dist loadfile
+
+bundle: $(VENV)/.installed-dev
+	$(BIN)/python frontend/bundle.py
 
 lint: $(VENV)/.installed-dev
 	$(BIN)/ruff check .
 	$(BIN)/ruff format --check .
 	$(BIN)/basedpyright --pythonpath $(BIN)/python
 	$(BIN)/lint-imports --no-logo
+	$(BIN)/python frontend/bundle.py --check
 
 # The stamps live inside the environment, so they go when it goes. `.created` is absent while pip
 # runs: an installation that was cut short starts again from an empty environment.

@@ -44,7 +44,7 @@ def bundle() -> None:
     """
     if up_to_date():
         return
-    _install(("--omit=dev",))
+    _install(everything=False)
     BUNDLES.parent.mkdir(parents=True, exist_ok=True)
     with tempfile.TemporaryDirectory(dir=BUNDLES.parent, prefix=".built-") as folder:
         entries = [f"src/{page}.ts" for page in PAGES]
@@ -61,7 +61,7 @@ def check() -> None:
     Raises:
         RuntimeError: if there is an error in them.
     """
-    _install(())
+    _install(everything=True)
     _node("node_modules/typescript/bin/tsc", "--noEmit", "--project", ".")
 
 
@@ -71,12 +71,13 @@ def test() -> None:
     Raises:
         RuntimeError: if one fails.
     """
-    _install(())
+    _install(everything=True)
     with tempfile.TemporaryDirectory() as folder:
         tests = [str(path.relative_to(FRONTEND)) for path in sorted(FRONTEND.glob("tests/*.test.ts"))]
         platform = ("--platform=node", "--out-extension:.js=.mjs")
         _esbuild(*tests, *ESBUILD_OPTIONS, *platform, f"--outdir={folder}")
-        _node("--test", *(str(path) for path in sorted(Path(folder).iterdir())))
+        made = (str(path) for path in sorted(Path(folder).iterdir()))
+        print(_node("--test", "--test-reporter=tap", *made))
 
 
 def node() -> str | None:
@@ -104,27 +105,27 @@ def _npm(path: str) -> list[str]:
     return [path, str(beside)] if beside.exists() else [shutil.which("npm") or "npm"]
 
 
-def _install(options: Sequence[str]) -> None:
-    """Install the packages, unless those wanted are there."""
-    wanted = FRONTEND.joinpath("package.json").read_text() + "\n" + " ".join(options)
+def _install(*, everything: bool) -> None:
+    """Install the packages, the development tools only if ``everything``; unless they are there."""
+    wanted = FRONTEND.joinpath("package.json").read_text()
     folder = FRONTEND / "node_modules"
-    stamp = folder / f".installed{'-'.join(options)}"
-    everything = folder / ".installed"
-    alike = [path.read_text() for path in (stamp, everything) if path.exists()]
-    if wanted in alike or FRONTEND.joinpath("package.json").read_text() + "\n" in alike:
+    full, part = folder / ".everything", folder / ".bundler"
+    enough = (full,) if everything else (full, part)
+    if any(stamp.exists() and stamp.read_text() == wanted for stamp in enough):
         return
     # Nothing of the packages is run while they are installed.
     quiet = ("--no-package-lock", "--ignore-scripts", "--no-audit", "--no-fund", "--loglevel=error")
+    options = () if everything else ("--omit=dev",)
     _run([*_npm(_need_node()), "install", *quiet, *options])
-    stamp.write_text(wanted)
+    (full if everything else part).write_text(wanted)
 
 
 def _esbuild(*arguments: str) -> None:
     _node("node_modules/esbuild/bin/esbuild", "--log-level=warning", *arguments)
 
 
-def _node(*arguments: str) -> None:
-    _run([_need_node(), *arguments])
+def _node(*arguments: str) -> str:
+    return _run([_need_node(), *arguments])
 
 
 def _need_node() -> str:
@@ -137,7 +138,8 @@ def _need_node() -> str:
     return found
 
 
-def _run(command: Sequence[str]) -> None:
+def _run(command: Sequence[str]) -> str:
+    """What ``command``, run in the folder of the programs, prints."""
     # The Node found is the one that the tools it starts find too.
     path = f"{Path(command[0]).parent}{os.pathsep}{os.environ.get('PATH', '')}"
     done = subprocess.run(
@@ -151,6 +153,7 @@ def _run(command: Sequence[str]) -> None:
     )
     if done.returncode:
         raise RuntimeError(f"{' '.join(command[:3])} ... failed:\n{done.stdout}")
+    return done.stdout
 
 
 def _digest() -> str:

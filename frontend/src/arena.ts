@@ -3,10 +3,13 @@
 import { arm, arrow, bottle, gripper, table, type Arm, type Bottle } from "./figures";
 import type { Scene } from "./messages";
 import { shape, set } from "./shapes";
-import { raised, View, type Place } from "./view";
+import { CELL, raised, View, type Place } from "./view";
 
 /** Seconds in which the hand grasps and lifts. */
 const GRASP = 0.5;
+
+/** Drawing units of the goals' names, at least and at most. */
+const [LABEL, LARGEST_LABEL] = [0.36 * CELL, 1.2 * CELL];
 
 /** Cells that a grasped bottle is lifted. */
 const LIFT = 0.7;
@@ -54,7 +57,18 @@ export class Arena {
       this.#hand,
     );
     element.replaceChildren(this.#svg);
+    this.#label();
+    new ResizeObserver(() => this.#label()).observe(this.#svg);
     this.show(0);
+  }
+
+  /** Write the names at least as large as the text of the page, on phones too. */
+  #label(): void {
+    const { width, height } = this.#svg.getBoundingClientRect();
+    const scale = Math.min(width / this.#view.width, height / this.#view.height);
+    const text = Number.parseFloat(getComputedStyle(document.documentElement).fontSize);
+    const size = Math.max(LABEL, Math.min(scale > 0 ? text / scale : 0, LARGEST_LABEL));
+    for (const drawn of this.#bottles) drawn.label(size);
   }
 
   /** Put the hand over `state`, at once, with everything as at the beginning. */

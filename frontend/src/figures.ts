@@ -31,18 +31,14 @@ export function table(view: View, scene: Scene): SVGGElement {
     return shape("circle", { cx, cy, r: 3.4, fill: "#a98f66" });
   });
   const mats = scene.goals.flatMap(({ states }) => states.map((state) => mat(view, state)));
+  // The floor goes on where the element is wider than the drawing.
+  const everywhere = { x: -view.width, width: 3 * view.width, height: view.height };
   const leg = (at: number) =>
     shape("rect", { x: at - 9, y: y2, width: 18, height: view.height - y2, fill: TABLE_LEG });
   return shape(
     "g",
     {},
-    shape("rect", { width: view.width, height: view.height, fill: "#dde3e7" }),
-    shape("rect", {
-      y: y2 - 0.2 * CELL,
-      width: view.width,
-      height: view.height - y2 + 0.2 * CELL,
-      fill: "#cfd6db",
-    }),
+    shape("rect", { ...everywhere, y: y2 - 0.2 * CELL, fill: "#cfd6db" }),
     leg(x + 0.7 * CELL),
     leg(x2 - 0.7 * CELL),
     shape("rect", { ...top, y: y + deep, fill: TABLE_EDGE }),
@@ -82,7 +78,12 @@ export interface Bottle {
   whole: SVGGElement;
   /** The part that is lifted. */
   body: SVGGElement;
+  /** Write the name so large, in drawing units. */
+  label(size: number): void;
 }
+
+/** Width of a letter, of its height: a little more than usual. */
+const LETTER = 0.62;
 
 /** A bottle at the middle of a goal, with its name. */
 export function bottle(view: View, goal: Goal): Bottle {
@@ -97,14 +98,10 @@ export function bottle(view: View, goal: Goal): Bottle {
   const name = shape(
     "text",
     {
-      x,
-      y: y + 0.74 * CELL,
       "text-anchor": "middle",
-      "font-size": 0.36 * CELL,
       "font-weight": 650,
       fill: "#1c2733",
       stroke: "#fbf6ec",
-      "stroke-width": 6,
       "stroke-linejoin": "round",
       "paint-order": "stroke",
     },
@@ -133,7 +130,19 @@ export function bottle(view: View, goal: Goal): Bottle {
     "fill-opacity": 0.35,
   });
   const body = shape("g", {}, glass);
-  return { whole: shape("g", {}, shadow, name, body), body };
+  return {
+    whole: shape("g", {}, shadow, name, body),
+    body,
+    label(size) {
+      const half = (LETTER * size * goal.name.length) / 2;
+      set(name, {
+        x: Math.max(half, Math.min(view.width - half, x)),
+        y: y + 0.44 * CELL * Math.min(1, view.look) + size,
+        "font-size": size,
+        "stroke-width": size / 4,
+      });
+    },
+  };
 }
 
 export interface Arm {

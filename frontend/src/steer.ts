@@ -29,6 +29,7 @@ class Steering {
   readonly #held = new Held((holding) => this.#changed(holding));
   readonly #stage = element("div", { class: "stage" });
   readonly #banner = element("p", { class: "banner", role: "status" });
+  readonly #controls = element("div", { class: "controls" });
   readonly #unstored = new Set<number>();
   #scene: Scene | null = null;
   #arena: Arena | null = null;
@@ -43,7 +44,7 @@ class Steering {
     this.#device = (page.dataset["device"] ?? "keyboard") as Device;
     const drawing = element("div");
     this.#stage.append(drawing, this.#banner);
-    page.append(this.#stage);
+    page.append(this.#stage, this.#controls);
     this.#say("Connecting …");
     this.#connection = new Connection(page.dataset["socket"] ?? "", {
       message: (message) => this.#hear(message),
@@ -99,9 +100,7 @@ class Steering {
       (input) => this.#held.set("keyboard", input),
     );
     this.#buttons = buttons;
-    this.#page.append(
-      element("div", { class: "controls" }, buttons.element, element("p", {}, HOW[this.#device])),
-    );
+    this.#controls.append(buttons.element, element("p", {}, HOW[this.#device]));
     bindSettings(this.#settings, this.#device, wait);
     if (this.#device === "switch") {
       buttons.enabled = false;
@@ -166,7 +165,8 @@ class Steering {
     const name = goal === null ? null : this.#scene?.goals[goal]?.name;
     const what = name ? `Done: the robot has taken “${name}”.` : "The time for this task is over.";
     const onward = element("a", { class: "button", href: this.#here }, "Continue");
-    this.#stage.append(element("div", { class: "over" }, element("p", { role: "status" }, what), onward));
+    const over = element("div", { class: "over" }, element("p", { role: "status" }, what), onward);
+    this.#controls.replaceChildren(over);
     onward.focus();
     if (this.#switch) onSwitch(() => onward.click());
   }

@@ -22,12 +22,12 @@ const [LOWEST_LOOK, STEEPEST_LOOK] = [0.62, 1.05];
 /** Cells from the states to the edge of the table, and on beyond it. */
 const TABLE_MARGIN = 1;
 const SIDE = 0.55;
-const FRONT = 1.75;
+const FRONT = 1.8;
 const BEHIND = 1.35;
 
 /** Height of the hand over the table and of the shoulder. */
 export const HAND_HEIGHT = 0.75;
-const SHOULDER_HEIGHT = 1.5;
+const SHOULDER_HEIGHT = 1.2;
 
 /** How far an elbow goes up, of what stiff links would need. */
 const BEND = 0.5;
@@ -68,7 +68,7 @@ export class View {
     this.#look = Math.min(STEEPEST_LOOK, Math.max(LOWEST_LOOK, look));
     this.width = wide * CELL;
     this.height = ((far - near) * this.#look + FRONT + BEHIND) * CELL;
-    this.shoulder = [(left + right) / 2, near - 0.55, SHOULDER_HEIGHT];
+    this.shoulder = [(left + right) / 2, near - 0.75, SHOULDER_HEIGHT];
     const far_away = this.places.map((place) => apart(this.shoulder, raised(place)));
     this.#reach = (Math.max(...far_away) / 2) * 1.03;
   }
