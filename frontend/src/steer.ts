@@ -5,6 +5,7 @@ import { Buttons } from "./buttons";
 import { Connection } from "./connection";
 import { watchGamepads, watchKeyboard, watchSwitch } from "./devices";
 import { Held, type Holding } from "./held";
+import { Latch } from "./latch";
 import { now, type Device, type FromServer, type Scene } from "./messages";
 import { bindSettings, loadSettings } from "./settings";
 import { element } from "./shapes";
@@ -21,12 +22,15 @@ const HOW: Readonly<Record<Device, string>> = {
   switch: "The directions light up in turn. Press your switch when the one you want is lit.",
 };
 
+type Timed = Holding & { pageTime: number };
+
 class Steering {
   readonly #page: HTMLElement;
   readonly #device: Device;
   readonly #settings = loadSettings();
   readonly #connection: Connection;
   readonly #held = new Held((holding) => this.#changed(holding));
+  readonly #latch = new Latch<Timed>((timed) => this.#tell(timed));
   readonly #stage = element("div", { class: "stage" });
   readonly #banner = element("p", { class: "banner", role: "status" });
   readonly #controls = element("div", { class: "controls" });
@@ -70,6 +74,7 @@ class Steering {
         break;
       case "step":
         this.#say("");
+        this.#latch.decided(message.input);
         this.#arena?.step(message, this.#scene?.step ?? 0);
         break;
       case "over":
@@ -118,6 +123,7 @@ class Steering {
     if (this.#unstored.size) this.#note("unstored", this.#unstored.size, "");
     this.#unstored.clear();
     this.#held.reset();
+    this.#latch.reset();
     this.#buttons?.hold(null);
     this.#arena?.input(null);
     this.#arena?.show(state);
@@ -129,17 +135,23 @@ class Steering {
     this.#note("settings", null, JSON.stringify({ scanSeconds, scanMode, deadZone }));
   }
 
-  #changed({ input, device, deviceTime }: Holding): void {
+  #changed(holding: Holding): void {
     if (!this.#steering) return;
+    this.#buttons?.hold(holding.input);
+    const timed = { ...holding, pageTime: now() };
+    if (this.#scene?.turns === "fixed") this.#latch.change(timed);
+    else this.#tell(timed);
+  }
+
+  #tell({ input, device, deviceTime, pageTime }: Timed): void {
     this.#arena?.input(input);
-    this.#buttons?.hold(input);
     const sequence = this.#sequence++;
     const sent = this.#connection.send({
       type: "input",
       input,
       device,
       sequence,
-      page_time: now(),
+      page_time: pageTime,
       device_time: deviceTime,
     });
     if (sent) this.#unstored.add(sequence);
