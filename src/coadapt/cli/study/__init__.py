@@ -7,8 +7,12 @@ import click
 from coadapt.cli.lazy import LazyGroup
 
 COMMANDS = {
+    "export": "Write the data as tables with a codebook.",
     "new": "Begin a study: write its protocol.",
+    "pilot": "Try a study with simulated participants.",
+    "replay": "Compute every belief and decision again, and compare.",
     "serve": "Serve a study to its participants.",
+    "status": "Count the sessions by what became of them.",
 }
 """Every command with its one-line summary; ``coadapt.cli.study.NAME`` holds it as ``command``."""
 

@@ -6,13 +6,14 @@ import math
 from collections import Counter
 from collections.abc import Iterator, Sequence
 from datetime import UTC, datetime
-from typing import TypeVar, cast
+from typing import Any, TypeVar, cast
 
 import msgspec
 
 from coadapt.study.attempts import StoredAttempt, StoredStep, attempts_of
 from coadapt.study.export.names import Names
 from coadapt.study.export.tables import AnswerRow, EventRow, Participant, StepRow, TrialRow
+from coadapt.study.order import shown_items
 from coadapt.study.protocol import Item, Question
 from coadapt.study.record import Moment, Record, Stored, standing
 from coadapt.study.session.events import (
@@ -22,17 +23,14 @@ from coadapt.study.session.events import (
     Checked,
     Event,
     Excluded,
-    Noted,
     Opened,
     Pressed,
     encode_event,
 )
+from coadapt.study.session.machine import asked_questions
 from coadapt.study.session.plan import plan_of
 
 Kind = TypeVar("Kind", bound=Event)
-
-LOST = "disconnected"
-"""`Noted.what` of a lost connection."""
 
 
 class SessionRows:
@@ -102,9 +100,7 @@ class SessionRows:
             changed=session.changed if session.results else None,
             checks=len(wrong),
             checks_failed=sum(wrong),
-            connections_lost=sum(
-                isinstance(e.event, Noted) and e.event.what == LOST for e in record.events
-            ),
+            restarts=sum(attempt.began.attempt > 1 for attempt in self._attempts),
         )
 
     def trials(self) -> Iterator[TrialRow]:
@@ -182,55 +178,27 @@ class SessionRows:
         )
 
     def answers(self) -> Iterator[AnswerRow]:
-        """The answers, in the order of the questions."""
+        """The answers, in the order in which they were shown."""
+        study, session = self._study, self._session
         for moment in self._moments:
             event = moment.kept.event
-            if isinstance(event, Answered):
-                time = self._since(moment.kept.time)
-                if event.stage.kind == "scale":
-                    scale = self._study.scales[event.stage.number - 1]
-                    for item in scale.items:
-                        yield self._rating(item, scale.name, scale.points, event, time)
-                else:
-                    for question in self._study.questions:
-                        if question.name in event.answers:
-                            yield self._reply(question, event.answers[question.name], time)
-
-    def _rating(
-        self, item: Item, scale: str, points: Sequence[str], event: Answered, time: float
-    ) -> AnswerRow:
-        value = cast("int", event.answers[item.name])
-        is_check = item.expected is not None
-        score = len(points) + 1 - value if item.reversed else value
-        return AnswerRow(
-            participant=self._record.alias,
-            item=item.name,
-            scale=scale,
-            kind="check" if is_check else "rating",
-            value=value,
-            score=None if is_check else score,
-            points=len(points),
-            label=points[value - 1],
-            text=None,
-            correct=value == item.expected if is_check else None,
-            time=time,
-        )
-
-    def _reply(self, question: Question, answer: Answer, time: float) -> AnswerRow:
-        value = answer if isinstance(answer, int) else None
-        return AnswerRow(
-            participant=self._record.alias,
-            item=question.name,
-            scale=None,
-            kind="choice" if question.choices else "text",
-            value=value,
-            score=None,
-            points=len(question.choices) or None,
-            label=None if value is None else question.choices[value - 1],
-            text=answer if isinstance(answer, str) else None,
-            correct=None,
-            time=time,
-        )
+            if not isinstance(event, Answered):
+                continue
+            if event.stage.kind == "scale":
+                scale = study.scales[event.stage.number - 1]
+                shown: Sequence[Item | Question] = shown_items(scale, self._record.key)
+                named, labels = scale.name, scale.points
+            else:
+                shown, named, labels = asked_questions(study, session), None, ()
+            for i, question in enumerate(shown):
+                yield AnswerRow(
+                    participant=self._record.alias,
+                    item=question.name,
+                    scale=named,
+                    position=i + 1,
+                    time=self._since(moment.kept.time),
+                    **_answer(question, event.answers[question.name], labels),
+                )
 
     def events(self) -> Iterator[EventRow]:
         """All events, without what names the person."""
@@ -257,6 +225,29 @@ class SessionRows:
         ]
         participant = msgspec.to_builtins(self.participant())
         return msgspec.json.encode({**participant, "events": entries})
+
+
+def _answer(question: Item | Question, answer: Answer, labels: Sequence[str]) -> dict[str, Any]:
+    """What an answer says: all columns that depend on it."""
+    options = question.choices if isinstance(question, Question) else labels
+    value = answer if isinstance(answer, int) else None
+    score = correct = None
+    if isinstance(question, Question):
+        kind = "choice" if options else "text"
+    elif question.expected is not None:
+        kind, correct = "check", value == question.expected
+    else:
+        kind = "rating"
+        score = len(options) + 1 - value if value and question.reversed else value
+    return {
+        "kind": kind,
+        "value": value,
+        "score": score,
+        "points": len(options) or None,
+        "label": None if value is None else options[value - 1],
+        "text": answer if isinstance(answer, str) else None,
+        "correct": correct,
+    }
 
 
 def _last(moments: Sequence[Moment], kind: type[Kind]) -> Kind | None:

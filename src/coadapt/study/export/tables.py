@@ -79,8 +79,8 @@ class Participant(Row, frozen=True, kw_only=True):
     ]
     checks: Annotated[int, Meaning("Number of attention checks answered.")]
     checks_failed: Annotated[int, Meaning("Number of those answered otherwise than asked for.")]
-    connections_lost: Annotated[
-        int, Meaning("How often the connection was lost in a training session or trial.")
+    restarts: Annotated[
+        int, Meaning("How often a training session or trial had to be begun again.")
     ]
 
 
@@ -209,6 +209,9 @@ class AnswerRow(Row, frozen=True, kw_only=True):
     participant: Person
     item: Annotated[str, Meaning("Name of the item or question.")]
     scale: Annotated[str | None, Meaning("Name of the scale; missing of a question.")]
+    position: Annotated[
+        int, Meaning("Place on the page as this participant saw it.", values="from 1")
+    ]
     kind: Annotated[
         str,
         Meaning(
