@@ -69,16 +69,16 @@ class AllocationReplay:
 
     Args:
         study: gives the rules.
-        deleted: when sessions were deleted.
+        last_deletion: when a session was last deleted, in seconds since 1970; 0 if none was.
 
     Attributes:
         checked: number of allocations decided again.
         unchecked: number of those that cannot be: what a deleted session counted for is unknown.
     """
 
-    def __init__(self, study: Study, deleted: Sequence[float]) -> None:
+    def __init__(self, study: Study, last_deletion: float) -> None:
         self._study = study
-        self._last_deletion = max(deleted, default=0.0)
+        self._last_deletion = last_deletion
         self._courses: list[_Course] = []
         self.checked = self.unchecked = 0
 

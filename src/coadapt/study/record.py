@@ -110,6 +110,7 @@ class Stored:
             memory.
         is_mixed: whether both real people and programs take part.
         deleted: when sessions were deleted, in seconds since 1970.
+        removed: when simulated sessions were last removed; 0 if never.
     """
 
     directory: Path
@@ -117,6 +118,7 @@ class Stored:
     records: Callable[[], Iterable[Record]]
     is_mixed: bool = False
     deleted: tuple[float, ...] = ()
+    removed: float = 0.0
 
     @classmethod
     def of(cls, directory: Path, study: Study, store: Store) -> Self:
@@ -132,4 +134,4 @@ class Stored:
 
         simulated = len(store.noted(SIMULATED))
         is_mixed = 0 < simulated < len(store.rows())
-        return cls(directory, study, records, is_mixed, store.deleted())
+        return cls(directory, study, records, is_mixed, store.deleted(), store.removed())

@@ -75,7 +75,7 @@ def replay(
         progress: is told what is being done.
     """
     done, study = Replayed(), stored.study
-    allocations = AllocationReplay(study, stored.deleted)
+    allocations = AllocationReplay(study, max((*stored.deleted, stored.removed)))
     for record in stored.records():
         done.sessions += 1
         done.events += len(record.events)

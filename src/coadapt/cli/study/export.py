@@ -46,7 +46,7 @@ def command(
 ) -> int:
     """Export the data of the study in DIRECTORY as tables.
 
-    Writes participants, trials, steps, answers and events as CSV and Parquet files, with a codebook,
+    Writes participants, trials, steps, answers and events as CSV and Parquet files with a codebook,
     in the layout of Psych-DS. Nothing in it names a person. The study may be running.
     """
     import msgspec

@@ -16,6 +16,7 @@ from starlette.staticfiles import StaticFiles
 from starlette.types import Scope
 from starlette.websockets import WebSocket
 
+from coadapt.study.record import SIMULATED
 from coadapt.study.server.forms import Refusal, read_form
 from coadapt.study.server.limits import Buckets
 from coadapt.study.server.pages import Pages, Visit
@@ -24,7 +25,7 @@ from coadapt.study.server.security import SecurityHeaders, csrf_of, is_equal
 from coadapt.study.server.service import Closed, Service
 from coadapt.study.server.socket import Connections, steer
 from coadapt.study.session import NotNow, Session
-from coadapt.study.session.events import Withdrew
+from coadapt.study.session.events import Noted, Withdrew
 from coadapt.study.store import StoreError
 
 log = logging.getLogger("coadapt.study")
@@ -93,6 +94,8 @@ class Site:
             key = await self.service.open(dict(request.query_params), returning)
         except Closed:
             return HTMLResponse(self.pages.notice("closed"))
+        if SIMULATED in request.query_params:  # who says so spoils only their own session
+            await self.service.record(key, Noted(what=SIMULATED))
         response = RedirectResponse(f"/s/{key}", 303)
         response.set_cookie(
             COOKIE, key, COOKIE_AGE, path="/", secure=self.secure, httponly=True, samesite="lax"

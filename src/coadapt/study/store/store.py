@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import time
-from collections.abc import Iterator, Sequence
+from collections.abc import Collection, Iterator, Sequence
 from pathlib import Path
 from typing import NamedTuple
 
@@ -22,6 +22,9 @@ FILE = "study.db"
 
 DELETED = "deleted"
 """Name of the setting that holds the times of all deletions."""
+
+REMOVED = "removed"
+"""Name of the setting that holds the time of the last removal of simulated sessions."""
 
 _ENCODER = msgspec.json.Encoder()
 
@@ -177,6 +180,10 @@ class Store:
         """When sessions were deleted, in seconds since 1970: all that is left of them."""
         return _decode_times(self.setting(DELETED))
 
+    def removed(self) -> float:
+        """When simulated sessions were last removed, in seconds since 1970; 0 if never."""
+        return float(self.setting(REMOVED) or 0)
+
     # Writing
 
     def append(self, connection: Connection, additions: Sequence[Addition]) -> None:
@@ -225,6 +232,17 @@ class Store:
         """Delete the session with this ``id`` and all its events; that it was done is kept."""
         times = (*_decode_times(get_setting(connection, DELETED)), time.time())
         set_setting(connection, DELETED, _ENCODER.encode(times).decode())
+        self._erase(connection, session)
+
+    def remove_simulated(self, connection: Connection, sessions: Collection[str]) -> None:
+        """Delete the sessions with these keys, which no real person took part in."""
+        ids = select(SESSIONS.c.id, SESSIONS.c.key)
+        for session, key in connection.execute(ids).all():
+            if key in sessions:
+                self._erase(connection, session)
+        set_setting(connection, REMOVED, repr(time.time()))
+
+    def _erase(self, connection: Connection, session: int) -> None:
         connection.execute(EVENTS.delete().where(EVENTS.c.session == session))
         connection.execute(SESSIONS.delete().where(SESSIONS.c.id == session))
 
