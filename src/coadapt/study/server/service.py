@@ -18,9 +18,19 @@ from coadapt.study.protocol import Study
 from coadapt.study.robots import Robots
 from coadapt.study.session import BEGINNING, Event, NotNow, Session, advance
 from coadapt.study.session.events import Allocated, Excluded, Opened, Readmitted
-from coadapt.study.store import Addition, Digest, Kept, Row, Store, StoreError, Taken, Writer
+from coadapt.study.store import (
+    Addition,
+    Conflict,
+    Digest,
+    Kept,
+    Row,
+    Store,
+    StoreError,
+    Taken,
+    Writer,
+)
 from coadapt.study.store.schema import LONGEST_PARTICIPANT
-from coadapt.study.store.store import IntegrityError, set_place, set_setting
+from coadapt.study.store.store import set_place, set_setting
 
 Status = Literal["open", "closed", "paused"]
 """``"closed"``: nobody new is let in; ``"paused"``: those under way have to wait too."""
@@ -125,7 +135,7 @@ class Service:
 
         try:
             await self._writer.transaction(add)
-        except IntegrityError:  # the same person has come twice at the same moment
+        except Conflict:  # the same person has come twice at the same moment
             return await self.open(parameters, returning)
         return key
 
@@ -209,7 +219,7 @@ class Service:
 
             if entry.session.condition is None and entry.session.choice is not None:
                 entry.fresh = False
-                with suppress(IntegrityError):  # another process was faster
+                with suppress(Conflict):  # another process was faster
                     await self._writer.transaction(choose)
                 await self._refresh(entry)
             return entry.session
@@ -252,6 +262,7 @@ class Service:
         async with entry.lock:
 
             def remove(connection: Connection) -> None:
+                self.store.database.lock_allocation(connection)
                 self.store.delete(connection, entry.row.id)
 
             await self._writer.transaction(remove)

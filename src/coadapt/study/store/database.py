@@ -10,7 +10,13 @@ from typing import Literal
 
 from sqlalchemy import Connection, Engine, create_engine, event, text
 from sqlalchemy.engine import URL, make_url
-from sqlalchemy.exc import ArgumentError, NoSuchModuleError, SQLAlchemyError
+from sqlalchemy.exc import (
+    ArgumentError,
+    DBAPIError,
+    IntegrityError,
+    NoSuchModuleError,
+    SQLAlchemyError,
+)
 
 from coadapt.errors import InputError
 
@@ -26,6 +32,14 @@ CHECKPOINT_PAGES = 4000
 
 PATIENCE = 30
 """Seconds to wait for another process that writes to the same SQLite file."""
+
+DatabaseError = SQLAlchemyError
+"""What goes wrong in a database."""
+
+
+class Conflict(Exception):
+    """A row cannot be written: its number or name is taken, or what it belongs to is gone."""
+
 
 _INSERT = {
     "sqlite": """
@@ -78,9 +92,18 @@ class Database:
 
     @contextmanager
     def writing(self) -> Generator[Connection]:
-        """A connection in a transaction, committed at the end; undone after an exception."""
-        with self._writing.begin() as connection:
-            yield connection
+        """A connection in a transaction, committed at the end; undone after an exception.
+
+        Raises:
+            Conflict: if what was written does not go with what is there.
+        """
+        try:
+            with self._writing.begin() as connection:
+                yield connection
+        except DBAPIError as error:
+            if is_conflict(error):
+                raise Conflict from error
+            raise
 
     def lock_allocation(self, connection: Connection) -> None:
         """Wait until no other process allocates; to the end of the transaction of ``connection``.
@@ -152,5 +175,10 @@ def _prepare_sqlite(engine: Engine, durability: Durability) -> None:
     del connected, begun
 
 
-DatabaseError = SQLAlchemyError
-"""What goes wrong in a database."""
+def is_conflict(error: DBAPIError) -> bool:
+    """Whether a constraint of a table is violated."""
+    if isinstance(error, IntegrityError):
+        return True
+    # pg8000 tells some of them only by the code of PostgreSQL, of class 23.
+    details: object = error.orig.args[0] if error.orig is not None and error.orig.args else None
+    return isinstance(details, dict) and f"{details.get('C')}".startswith("23")  # pyright: ignore

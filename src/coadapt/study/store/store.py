@@ -9,12 +9,11 @@ from typing import NamedTuple
 
 import msgspec
 from sqlalchemy import Connection, func, insert, inspect, select, update
-from sqlalchemy.exc import IntegrityError
 
 from coadapt.errors import InputError
 from coadapt.study.session import Event, decode_event, encode_event
 from coadapt.study.session.events import Noted
-from coadapt.study.store.database import ALLOCATION_LOCK, Database, DatabaseError, Durability
+from coadapt.study.store.database import Database, DatabaseError, Durability
 from coadapt.study.store.schema import EVENTS, FORMAT, METADATA, SESSIONS, SETTINGS
 
 FILE = "study.db"
@@ -108,6 +107,7 @@ class Store:
         try:
             self._make()
         except DatabaseError as error:
+            self.close()
             raise InputError(f"the database cannot be used: {shown(error)}") from error
 
     @staticmethod
@@ -128,6 +128,7 @@ class Store:
                 set_setting(connection, "format", str(FORMAT))
             found = get_setting(connection, "format")
         if found != str(FORMAT):
+            self.close()
             raise InputError(f"found a database of format {found}, expected format {FORMAT}")
 
     # Reading
@@ -190,7 +191,8 @@ class Store:
         """Append events to sessions.
 
         Raises:
-            IntegrityError: if a sequence number is taken, or a session has been deleted.
+            Conflict: from `Database.writing`, if a sequence number is taken, or a session has been
+                deleted.
         """
         rows = [
             (
@@ -216,7 +218,7 @@ class Store:
         """A new session with its first event.
 
         Raises:
-            IntegrityError: if there is one with this key or participant.
+            Conflict: from `Database.writing`, if there is one with this key or participant.
         """
         now = time.time()
         new = {"key": key, "created": now, "participant": participant}
@@ -313,6 +315,3 @@ _ROWS = select(
 def _row(row: Sequence[object]) -> Row:
     number, key, created, participant, place, *digest, seen = row
     return Row(number, key, created, participant, place, Digest(*digest), seen)  # pyright: ignore
-
-
-__all__ = ["ALLOCATION_LOCK", "Addition", "Digest", "IntegrityError", "Kept", "Row", "Store"]

@@ -11,8 +11,8 @@ from typing import TypeVar
 
 from sqlalchemy import Connection
 
-from coadapt.study.store.database import DatabaseError
-from coadapt.study.store.store import Addition, IntegrityError, Store, shown
+from coadapt.study.store.database import Conflict, DatabaseError
+from coadapt.study.store.store import Addition, Store, shown
 
 T = TypeVar("T")
 
@@ -83,6 +83,7 @@ class Writer:
         """What ``work`` returns, called on the writing thread in a transaction of its own.
 
         Raises:
+            Conflict: see `Database.writing`.
             StoreError: if it could not be stored.
         """
         return await self._wait(_Job(_future(), work=work))  # pyright: ignore
@@ -147,7 +148,7 @@ class Writer:
                     self._store.append(connection, additions)
                 else:
                     group[0].result = work(connection)
-        except IntegrityError as error:
+        except Conflict as error:
             if len(group) > 1:  # who is it?
                 for job in group:
                     self._write([job])
