@@ -5,7 +5,7 @@ from __future__ import annotations
 import asyncio
 import secrets
 import time
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from contextlib import suppress
 from dataclasses import dataclass, field
 from pathlib import Path
@@ -17,7 +17,15 @@ from coadapt.study.allocation import Allotted, Standing, allocate
 from coadapt.study.protocol import Study
 from coadapt.study.robots import Robots
 from coadapt.study.session import BEGINNING, Event, NotNow, Session, advance
-from coadapt.study.session.events import Allocated, Excluded, Opened, Readmitted
+from coadapt.study.session.events import (
+    Allocated,
+    Began,
+    Excluded,
+    Noted,
+    Opened,
+    Pressed,
+    Readmitted,
+)
 from coadapt.study.store import (
     Addition,
     Conflict,
@@ -40,6 +48,9 @@ LONGEST_PARAMETER = 500
 
 MOST_CACHED = 20_000
 """Sessions in memory. Others are read again from the database when they are needed."""
+
+MOST_EVENTS = 100_000
+"""Of a session, beyond which its page can add no more inputs and notes: hours of steering."""
 
 STATUS_AGE = 1.0
 """Seconds for which the study's status is not asked for again; another process may change it."""
@@ -175,31 +186,37 @@ class Service:
         entry = await self._entry(key)
         async with entry.lock:
             while True:
-                if not entry.fresh:
+                known = entry.fresh
+                if not known:
                     await self._refresh(entry)
-                session = entry.session
-                if attempt is not None and attempt != (session.position, session.attempt):
-                    raise NotNow("another attempt has begun")
-                for event in events:
-                    session = advance(self.study, session, event)
-                digest = digest_of(session)
-                addition = Addition(
-                    entry.row.id,
-                    entry.sequence + 1,
-                    time.time(),
-                    events,
-                    None if digest == entry.digest else digest,
-                )
-                # Whatever goes wrong now, the database knows best what is stored.
-                entry.fresh = False
+                if entry.sequence >= MOST_EVENTS and isinstance(events[0], Began | Pressed | Noted):
+                    raise NotNow("too much has happened in this session")
                 try:
-                    await self._writer.append(addition)
-                except Taken:
+                    session = _advanced(self.study, entry.session, events, attempt)
+                except NotNow:
+                    if not known:
+                        raise
+                    entry.fresh = False  # perhaps another process knows more
                     continue
-                entry.session, entry.digest = session, digest
-                entry.sequence += len(events)
-                entry.fresh = True
-                return session
+                if await self._store(entry, session, events):
+                    return session
+
+    async def _store(self, entry: _Entry, session: Session, events: Sequence[Event]) -> bool:
+        """Store ``events``, which lead to ``session``; False if another process has stored some."""
+        digest = digest_of(session)
+        news = None if digest == entry.digest else digest
+        # Whatever goes wrong now, the database knows best what is stored.
+        entry.fresh = False
+        try:
+            await self._writer.append(
+                Addition(entry.row.id, entry.sequence + 1, time.time(), events, news)
+            )
+        except Taken:
+            return False
+        entry.session, entry.digest = session, digest
+        entry.sequence += len(events)
+        entry.fresh = True
+        return True
 
     async def allocate(self, key: str) -> Session:
         """The session after its allocation to a condition, one at a time over all processes.
@@ -308,6 +325,17 @@ class Service:
             raise Unreadable(f"event {entry.sequence + 1} does not fit: {error}") from error
         entry.digest = digest_of(entry.session)
         entry.fresh = True
+
+
+def _advanced(
+    study: Study, session: Session, events: Sequence[Event], attempt: tuple[int, int] | None
+) -> Session:
+    """``session`` after ``events`` of its ``attempt``; raises NotNow as `Service.record`."""
+    if attempt is not None and attempt != (session.position, session.attempt):
+        raise NotNow("another attempt has begun")
+    for event in events:
+        session = advance(study, session, event)
+    return session
 
 
 def digest_of(session: Session) -> Digest:
