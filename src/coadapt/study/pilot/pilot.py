@@ -8,7 +8,7 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from urllib.parse import urlencode
 
-import httpx
+import httpx2
 
 from coadapt.formalism import SharedAutonomy
 from coadapt.study.pilot.gate import Gate
@@ -111,10 +111,10 @@ async def _take_part(
     place: int,
 ) -> Outcome:
     link = f"/?{urlencode(_parameters(study, seed, person.number))}"
-    async with httpx.AsyncClient(base_url=url, timeout=PATIENCE) as client:
+    async with httpx2.AsyncClient(base_url=url, timeout=PATIENCE) as client:
         try:
             ending = await Walk(person, study, model, client, link, gate, place).walk()
-        except (Failed, httpx.HTTPError, OSError) as error:
+        except (Failed, httpx2.HTTPError, OSError) as error:
             return Outcome(person, "failed", f"{type(error).__name__}: {error}")
     return Outcome(person, ending)
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Literal
 
-import httpx
+import httpx2
 
 from coadapt.formalism import SharedAutonomy
 from coadapt.study.pilot.gate import Gate
@@ -42,7 +42,7 @@ class Walk:
     person: Person
     study: Study
     model: SharedAutonomy
-    client: httpx.AsyncClient
+    client: httpx2.AsyncClient
     link: str
     gate: Gate
     place: int
@@ -140,7 +140,7 @@ class Walk:
         answer = await self.client.post(form.action, data=filled, follow_redirects=True)
         return self._read(answer)
 
-    def _read(self, answer: httpx.Response) -> Page:
+    def _read(self, answer: httpx2.Response) -> Page:
         page = read_page(answer.text)
         if answer.status_code != 200:
             raise Failed(f"the server answered {answer.status_code}: {page.heading}")
