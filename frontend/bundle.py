@@ -73,7 +73,9 @@ def test() -> None:
     """
     _install(everything=True)
     with tempfile.TemporaryDirectory() as folder:
-        tests = [str(path.relative_to(FRONTEND)) for path in sorted(FRONTEND.glob("tests/*.test.ts"))]
+        tests = [
+            str(path.relative_to(FRONTEND)) for path in sorted(FRONTEND.glob("tests/*.test.ts"))
+        ]
         platform = ("--platform=node", "--out-extension:.js=.mjs")
         _esbuild(*tests, *ESBUILD_OPTIONS, *platform, f"--outdir={folder}")
         made = (str(path) for path in sorted(Path(folder).iterdir()))

@@ -8,8 +8,8 @@ from pathlib import Path
 
 import pytest
 from sqlalchemy import create_engine, text
+from study_postgres import binary, postgres
 
-from benchmarks.study_postgres import binary, postgres
 from coadapt.study.store.database import parse_url
 
 
