@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from functools import lru_cache
 from typing import Literal
 
 import msgspec
@@ -46,12 +47,17 @@ class Stage(msgspec.Struct, frozen=True):
 
 def plan_of(study: Study) -> tuple[Stage, ...]:
     """All stages of ``study``. Some sessions pass over one, see `advance`."""
+    return _plan(study.practice, study.trials, len(study.scales), bool(study.questions))
+
+
+@lru_cache(maxsize=16)  # asked for at every event
+def _plan(practice: int, trials: int, scales: int, questions: bool) -> tuple[Stage, ...]:
     stages = [Stage("welcome"), Stage("preflight"), Stage("consent"), Stage("instructions")]
-    stages += [Stage("practice", i + 1) for i in range(study.practice)]
+    stages += [Stage("practice", i + 1) for i in range(practice)]
     stages += [Stage("choice"), Stage("briefing")]
-    stages += [Stage("trial", i + 1) for i in range(study.trials)]
-    stages += [Stage("scale", i + 1) for i in range(len(study.scales))]
-    if study.questions:
+    stages += [Stage("trial", i + 1) for i in range(trials)]
+    stages += [Stage("scale", i + 1) for i in range(scales)]
+    if questions:
         stages.append(Stage("questions"))
     stages.append(Stage("debrief"))
     return tuple(stages)
