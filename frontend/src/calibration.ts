@@ -36,7 +36,12 @@ export class Calibration {
     return this.#ways.find((way) => !this.#parts.has(way)) ?? null;
   }
 
-  /** Whether the pad has to be let go of before the next push. */
+  /** Whether all ways are known and the pad is at rest again. */
+  get done(): boolean {
+    return this.asked === null && this.#released;
+  }
+
+  /** Whether the pad has to be let go of now. */
   get letGo(): boolean {
     return !this.#released;
   }
@@ -53,15 +58,14 @@ export class Calibration {
   /** Take in a reading; call it at every look at the pad. */
   read(reading: Reading): void {
     this.#rest ??= snapshot(reading);
-    const way = this.asked;
-    if (way === null) return;
     const found = this.#found(reading, this.#rest);
     if (!this.#released) {
       this.#lasted = found === null ? this.#lasted + 1 : 0;
       if (this.#lasted >= LASTING) [this.#released, this.#lasted] = [true, 0];
       return;
     }
-    if (found === null) {
+    const way = this.asked;
+    if (found === null || way === null) {
       [this.#candidate, this.#lasted] = [null, 0];
       return;
     }

@@ -115,8 +115,8 @@ class Preflight {
     const calibration = this.#calibration;
     if (!calibration) return;
     calibration.read(pad);
-    const { asked, letGo } = calibration;
-    if (asked === null) {
+    const { asked, done, letGo } = calibration;
+    if (done) {
       this.#settings.layouts[pad.id] = calibration.layout;
       saveSettings(this.#settings);
       this.#calibration = null;

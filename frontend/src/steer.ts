@@ -176,7 +176,12 @@ class Steering {
     await this.#arena?.finish(goal);
     const name = goal === null ? null : this.#scene?.goals[goal]?.name;
     const what = name ? `Done: the robot has taken “${name}”.` : "The time for this task is over.";
-    const onward = element("a", { class: "button", href: this.#here }, "Continue");
+    const onward = element("button", { type: "button" }, "Continue");
+    onward.addEventListener("click", () => location.assign(this.#here));
+    // A switch that is still held from the task must not press it.
+    onward.addEventListener("keydown", (event) => {
+      if (event.repeat) event.preventDefault();
+    });
     const over = element("div", { class: "over" }, element("p", { role: "status" }, what), onward);
     this.#controls.replaceChildren(over);
     onward.focus();

@@ -73,7 +73,10 @@ function calibrated(rest: Reading, pushes: Record<string, Reading>): Calibration
     last(rest);
     last(pushes[asked] ?? rest);
     assert.notEqual(calibration.asked, asked);
+    assert.equal(calibration.done, false);
   }
+  last(rest);
+  assert.equal(calibration.done, true);
   return calibration;
 }
 

@@ -122,6 +122,7 @@ class Pages:
             study=study,
             style=asset("pages.css", root),
             icon=asset("icon.svg", root),
+            forms_program=asset("built/forms.js", root),
             steer_program=asset("built/steer.js", root),
             preflight_program=asset("built/preflight.js", root),
         )
@@ -184,7 +185,8 @@ class Pages:
                 return {"questions": asked_questions(study, session), "longest": LONGEST_ANSWER}
 
     def _render(self, name: str, **values: object) -> str:
-        return self._environment.get_template(f"{name}.html.j2").render(values)
+        frame: dict[str, object] = {"visit": None, "stage": None, "parts": (), "problems": {}}
+        return self._environment.get_template(f"{name}.html.j2").render({**frame, **values})
 
 
 def asset(name: str, root: str = "") -> str:
