@@ -22,7 +22,7 @@ from pathlib import Path
 
 FRONTEND = Path(__file__).resolve().parent
 BUNDLES = FRONTEND.parent / "src" / "coadapt" / "study" / "server" / "static" / "built"
-PAGES = ("forms", "preflight", "steer", "replay")
+PAGES = ("forms", "preflight", "steer", "replay", "refresh")
 OLDEST_NODE = 18
 """That esbuild runs on."""
 

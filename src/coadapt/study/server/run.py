@@ -17,6 +17,7 @@ from coadapt.robots.setup import Progress
 from coadapt.study.protocol import read_study
 from coadapt.study.protocol.reader import study_task
 from coadapt.study.robots import load_robots
+from coadapt.study.server.admin import Desk, admin_routes
 from coadapt.study.server.app import Site, study_app
 from coadapt.study.server.messages import LONGEST_MESSAGE
 from coadapt.study.server.pages import Pages
@@ -106,7 +107,8 @@ def load_service(
 def make_app(service: Service, *, secure: bool) -> Starlette:
     """The web application of a study."""
     pages = Pages(service.study, model_of(service.robots))
-    return study_app(Site(service, pages, secure=secure))
+    site = Site(service, pages, secure=secure)
+    return study_app(site, admin_routes(Desk(service, site.connections), secure=secure))
 
 
 def bind(address: Address) -> socket.socket:

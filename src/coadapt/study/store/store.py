@@ -144,9 +144,14 @@ class Store:
             rows = connection.execute(select(SETTINGS.c.name, SETTINGS.c.value))
             return {name: value for name, value in rows}
 
-    def find(self, *, key: str | None = None, participant: str | None = None) -> Row | None:
-        """The session with this key or participant; None if there is none."""
-        where = SESSIONS.c.key == key if key else SESSIONS.c.participant == participant
+    def find(
+        self, *, key: str | None = None, participant: str | None = None, number: int | None = None
+    ) -> Row | None:
+        """The session with this key, participant or ``id``; None if there is none."""
+        if number is not None:
+            where = SESSIONS.c.id == number
+        else:
+            where = SESSIONS.c.key == key if key else SESSIONS.c.participant == participant
         with self.database.reading() as connection:
             row = connection.execute(_ROWS.where(where)).first()
         return None if row is None else _row(row)
