@@ -10,7 +10,7 @@ from coadapt.study.attempts import attempts_of
 from coadapt.study.protocol import Study
 from coadapt.study.record import Record, Standing, standing
 from coadapt.study.session.events import Answered, Checked, Event, Noted
-from coadapt.study.session.plan import plan_of
+from coadapt.study.session.plan import Stage, plan_of
 
 ERROR = "error"
 """`Noted.what` of an error that a page reports begins with this."""
@@ -72,7 +72,7 @@ def glance(study: Study, record: Record, now: float, *, connected: bool) -> Glan
         recruited=record.row.participant,
         standing=standing(study, session.end, seen, now),
         simulated=record.is_simulated,
-        stage=str(stages[session.position]),
+        stage=stage_name(study, stages[session.position]),
         position=session.position,
         stages=len(stages),
         opened=record.opened,
@@ -84,6 +84,17 @@ def glance(study: Study, record: Record, now: float, *, connected: bool) -> Glan
         checks_failed=failed_checks(study, events),
         connected=connected,
     )
+
+
+def stage_name(study: Study, stage: Stage) -> str:
+    """``"trial 2"``, or ``"debrief"`` where there is but one of its kind.
+
+    Only some conditions have a briefing: who is there counts as still at their choice.
+    """
+    if stage.kind == "briefing":
+        return "choice"
+    alone = sum(other.kind == stage.kind for other in plan_of(study)) == 1
+    return stage.kind if alone else str(stage)
 
 
 def is_error(event: Event) -> bool:

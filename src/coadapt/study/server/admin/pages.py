@@ -11,7 +11,7 @@ from coadapt.study.export.rows import SessionRows
 from coadapt.study.protocol import Study
 from coadapt.study.record import Record
 from coadapt.study.server.admin.desk import Dashboard
-from coadapt.study.server.admin.overview import Glance
+from coadapt.study.server.admin.overview import Glance, stage_name
 from coadapt.study.server.admin.timeline import timeline
 from coadapt.study.server.pages import asset
 
@@ -34,7 +34,7 @@ class AdminPages:
     """
 
     def __init__(self, study: Study, goals: tuple[str, ...]) -> None:
-        self._goals = goals
+        self._study, self._goals = study, goals
         self._environment = Environment(
             loader=PackageLoader("coadapt.study.server", "templates/admin"),
             autoescape=True,
@@ -42,7 +42,9 @@ class AdminPages:
             trim_blocks=True,
             lstrip_blocks=True,
         )
-        self._environment.filters.update(when=when, ago=ago, span=span)
+        self._environment.filters.update(
+            when=when, ago=ago, named=lambda stage: stage_name(study, stage)
+        )
         self._environment.globals.update(
             study=study,
             style=asset("pages.css"),
@@ -84,7 +86,7 @@ class AdminPages:
             answers=list(rows.answers()),
             attempts=attempts,
             goals=self._goals,
-            lines=timeline(record, self._goals, unblinded=unblinded),
+            lines=timeline(self._study, record, self._goals, unblinded=unblinded),
             now=datetime.now(UTC).timestamp(),
             unblinded=unblinded,
             csrf=csrf,

@@ -6,8 +6,9 @@ from collections.abc import Sequence
 
 import msgspec
 
+from coadapt.study.protocol import Study
 from coadapt.study.record import Record
-from coadapt.study.server.admin.overview import is_error
+from coadapt.study.server.admin.overview import is_error, stage_name
 from coadapt.study.session.events import (
     Allocated,
     Answered,
@@ -45,10 +46,11 @@ class Line(msgspec.Struct, frozen=True):
     kind: str = ""
 
 
-def timeline(record: Record, goals: Sequence[str], *, unblinded: bool) -> list[Line]:
+def timeline(study: Study, record: Record, goals: Sequence[str], *, unblinded: bool) -> list[Line]:
     """The lines of a session.
 
     Args:
+        study: the protocol.
         record: the session.
         goals: names of the goals.
         unblinded: whether the condition may be told.
@@ -59,24 +61,29 @@ def timeline(record: Record, goals: Sequence[str], *, unblinded: bool) -> list[L
         event, time = kept.event, kept.time - record.opened
         presses += isinstance(event, Pressed)
         steps += isinstance(event, Stepped)
-        if isinstance(event, Pressed | Stepped):
+        if isinstance(event, Pressed | Stepped) or _tells(event, unblinded):
             continue
         if presses or steps:
             lines.append(Line(time, f"{steps} steps", f"{presses} changes of input"))
             presses = steps = 0
-        lines.append(_line(time, event, goals, unblinded))
+        lines.append(_line(study, time, event, goals, unblinded))
     if presses or steps:
         last = record.events[-1].time - record.opened
         lines.append(Line(last, f"{steps} steps", f"{presses} changes of input"))
     return lines
 
 
-def _line(time: float, event: Event, goals: Sequence[str], unblinded: bool) -> Line:
+def _tells(event: Event, unblinded: bool) -> bool:
+    """Whether that it happened tells the condition: only some have a briefing."""
+    return not unblinded and isinstance(event, Read) and event.stage.kind == "briefing"
+
+
+def _line(study: Study, time: float, event: Event, goals: Sequence[str], unblinded: bool) -> Line:
     match event:
         case Opened():
             return Line(time, "Opened")
         case Read():
-            return Line(time, f"Read {event.stage}")
+            return Line(time, f"Read {event.stage.kind}")
         case Checked():
             size = f"{event.width} × {event.height}"
             pad = f", {event.pad}" if event.pad else ""
@@ -91,12 +98,14 @@ def _line(time: float, event: Event, goals: Sequence[str], unblinded: bool) -> L
         case Allocated():
             return Line(time, "Allocated", event.condition if unblinded else "condition hidden")
         case Began():
-            return Line(time, f"Began {event.stage}", f"attempt {event.attempt}")
+            return Line(time, f"Began {stage_name(study, event.stage)}", f"attempt {event.attempt}")
         case Finished():
             reached = "no goal" if event.goal is None else goals[event.goal]
-            return Line(time, f"Finished {event.stage}", reached)
+            return Line(time, f"Finished {stage_name(study, event.stage)}", reached)
         case Answered():
-            return Line(time, f"Answered {event.stage}", f"{len(event.answers)} answers")
+            return Line(
+                time, f"Answered {stage_name(study, event.stage)}", f"{len(event.answers)} answers"
+            )
         case Withdrew():
             return Line(time, "Withdrew")
         case Excluded():
