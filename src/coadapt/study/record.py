@@ -6,7 +6,7 @@ from collections.abc import Callable, Iterable, Sequence
 from dataclasses import dataclass
 from hashlib import sha256
 from pathlib import Path
-from typing import Literal, NamedTuple, Self
+from typing import Literal, NamedTuple, Self, cast
 
 from coadapt.study.protocol import Study
 from coadapt.study.session.events import Noted
@@ -94,7 +94,7 @@ def standing(study: Study, end: str | None, seen: float, now: float) -> Standing
     if end == "finished":
         return "completed"
     if end is not None:
-        return end  # pyright: ignore
+        return cast("Standing", end)
     is_stale = now - seen > study.allocation.stale_minutes * MINUTE
     return "stale" if is_stale else "active"
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Mapping
 from pathlib import Path
+from typing import Any
 
 import click
 
@@ -55,7 +56,7 @@ def command(*, directory: Path, unblinded: bool, as_json: bool, database: str | 
     return 0
 
 
-def _table(heading: str, counts: Mapping[str, int]) -> None:
+def _table(heading: str, counts: Mapping[Any, int]) -> None:
     if counts:
         click.echo(heading)
         for name, count in counts.items():

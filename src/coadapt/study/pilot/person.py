@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import Literal, cast
+from typing import Literal
 
 import numpy as np
 
@@ -134,7 +134,4 @@ class Person:
 def people(n: int, population: Population, study_stages: int, seed: int) -> list[Person]:
     """``n`` participants; the first ones are the same whatever ``n`` is."""
     generators = np.random.default_rng(seed).spawn(n)
-    return [
-        Person.drawn(i + 1, population, study_stages, cast("np.random.Generator", rng))
-        for i, rng in enumerate(generators)
-    ]
+    return [Person.drawn(i + 1, population, study_stages, rng) for i, rng in enumerate(generators)]

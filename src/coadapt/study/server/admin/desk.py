@@ -89,7 +89,9 @@ class Desk:
         """The state of the study, with one page of its sessions of the standing ``shown``."""
         study, store, now = self.service.study, self.service.store, time.time()
         rows = await self.service.rows()
-        stands = [(row, standing(study, row.digest.end, row.seen, now)) for row in rows]
+        stands: list[tuple[Row, Standing]] = [
+            (row, standing(study, row.digest.end, row.seen, now)) for row in rows
+        ]
         kept = await asyncio.to_thread(unblindings, store)
         chosen = [row for row, s in reversed(stands) if shown in (None, s)]
         pages = max(1, -(-len(chosen) // PAGE))
@@ -100,7 +102,7 @@ class Desk:
             status=await self.service.status(),
             now=now,
             connected=len(self._connections),
-            standings=dict(Counter(s for _, s in stands)),
+            standings=dict(Counter[Standing](s for _, s in stands)),
             deleted=len(await asyncio.to_thread(store.deleted)),
             conditions=self._conditions(stands) if is_unblinded(kept) else None,
             unblindings=kept,

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from datetime import UTC, datetime
+from typing import Any
 
 from jinja2 import Environment, PackageLoader, StrictUndefined
 
@@ -14,6 +15,7 @@ from coadapt.study.server.admin.desk import Dashboard
 from coadapt.study.server.admin.overview import Glance, stage_name
 from coadapt.study.server.admin.timeline import timeline
 from coadapt.study.server.pages import asset
+from coadapt.study.session.plan import Stage
 
 REFRESH = 5
 """Seconds between looks at the dashboard."""
@@ -42,19 +44,19 @@ class AdminPages:
             trim_blocks=True,
             lstrip_blocks=True,
         )
-        self._environment.filters.update(
-            when=when, ago=ago, named=lambda stage: stage_name(study, stage)
-        )
-        self._environment.globals.update(
-            study=study,
-            style=asset("pages.css"),
-            admin_style=asset("admin.css"),
-            icon=asset("icon.svg"),
-            refresh_program=asset("built/refresh.js"),
-            replay_program=asset("built/replay.js"),
-            refresh=REFRESH,
-            standings=STANDINGS,
-        )
+        filters: dict[str, Any] = {"when": when, "ago": ago, "named": self._named}
+        self._environment.filters.update(filters)
+        known: dict[str, Any] = {
+            "study": study,
+            "style": asset("pages.css"),
+            "admin_style": asset("admin.css"),
+            "icon": asset("icon.svg"),
+            "refresh_program": asset("built/refresh.js"),
+            "replay_program": asset("built/replay.js"),
+            "refresh": REFRESH,
+            "standings": STANDINGS,
+        }
+        self._environment.globals.update(known)
 
     def sign_in(self, problem: str = "") -> str:
         """The page that asks for the token."""
@@ -95,6 +97,9 @@ class AdminPages:
     def replay(self, seen: Glance, attempt: StoredAttempt, index: int, *, unblinded: bool) -> str:
         """One attempt, drawn again."""
         return self._render("replay", seen=seen, attempt=attempt, index=index, unblinded=unblinded)
+
+    def _named(self, stage: Stage) -> str:
+        return stage_name(self._study, stage)
 
     def _render(self, name: str, **values: object) -> str:
         return self._environment.get_template(f"{name}.html.j2").render(values)
