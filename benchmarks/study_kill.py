@@ -237,13 +237,14 @@ def differences(directory: Path, url: str) -> int:
         store.close()
 
 
-def write_study(directory: Path, trials: int = 3) -> None:
+def write_study(directory: Path, trials: int = 3, most_steps: int = 60) -> None:
     """A quick study on the small table, without quotas."""
     text = template().decode()
     for old, new in (
         ('task = "table_clearing" ', 'task = "table_clearing_small" '),
         ("step = 0.5 ", "step = 0.1 "),
         ("trials = 3", f"trials = {trials}"),
+        ("most_steps = 200", f"most_steps = {most_steps}"),
         ("quota = 17\n", ""),
     ):
         assert old in text

@@ -160,9 +160,10 @@ def wanted_goal(model: SharedAutonomy, state: int, human_input: int | None) -> i
     """
     if human_input is None:
         return None
-    likelihood: FloatArray = model.input_likelihood[state, human_input]
-    best = np.flatnonzero(np.isclose(likelihood, likelihood.max(), rtol=1e-9, atol=0))
-    return int(best[0]) if len(best) == 1 else None
+    likelihood: list[float] = model.input_likelihood[state, human_input].tolist()
+    most = max(likelihood)
+    best = [mode for mode, value in enumerate(likelihood) if most - value <= 1e-9 * most]
+    return best[0] if len(best) == 1 else None
 
 
 def as_belief(belief: FloatArray) -> Belief:

@@ -46,7 +46,7 @@ Status = Literal["open", "closed", "paused"]
 LONGEST_PARAMETER = 500
 """Characters of a parameter of a link that are kept."""
 
-MOST_CACHED = 20_000
+MOST_CACHED = 5_000
 """Sessions in memory. Others are read again from the database when they are needed."""
 
 MOST_EVENTS = 100_000
