@@ -34,7 +34,7 @@ Visitor = Callable[..., Page]
 """Opens a page of a browser that nobody has used yet; takes options of a browser context."""
 
 
-@pytest.fixture(scope="session")
+@pytest.fixture(scope="module")  # while it is there no test can run an event loop of its own
 def browser() -> Iterator[Browser]:
     """The browser; the tests are skipped without one, but not in continuous integration."""
     path = shutil.which(CHROMIUM)

@@ -8,12 +8,11 @@ from contextlib import asynccontextmanager, suppress
 
 from starlette.applications import Starlette
 from starlette.exceptions import HTTPException
-from starlette.middleware import Middleware
 from starlette.requests import ClientDisconnect, Request
 from starlette.responses import HTMLResponse, PlainTextResponse, RedirectResponse, Response
 from starlette.routing import BaseRoute, Mount, Route, WebSocketRoute
 from starlette.staticfiles import StaticFiles
-from starlette.types import Scope
+from starlette.types import ASGIApp, Scope
 from starlette.websockets import WebSocket
 
 from coadapt.study.record import SIMULATED
@@ -180,7 +179,7 @@ class Site:
         return key, form
 
 
-def study_app(site: Site, more: Sequence[BaseRoute] = ()) -> Starlette:
+def study_app(site: Site, more: Sequence[BaseRoute] = ()) -> ASGIApp:
     """The application of ``site``; ``more`` routes are those of the researcher's side."""
 
     @asynccontextmanager
@@ -200,9 +199,8 @@ def study_app(site: Site, more: Sequence[BaseRoute] = ()) -> Starlette:
         Mount("/static", Static(packages=[("coadapt.study.server", "static")])),
         *more,
     ]
-    return Starlette(
+    app = Starlette(
         routes=routes,
-        middleware=[Middleware(SecurityHeaders)],
         exception_handlers={
             HTTPException: site.problem,
             StoreError: site.problem,
@@ -211,6 +209,8 @@ def study_app(site: Site, more: Sequence[BaseRoute] = ()) -> Starlette:
         },
         lifespan=life,
     )
+    # Around everything, for also an answer to a bug must have the headers.
+    return SecurityHeaders(app)
 
 
 class Static(StaticFiles):

@@ -9,8 +9,9 @@ from dataclasses import dataclass
 from ipaddress import ip_address
 from pathlib import Path
 
+import numpy as np
 import uvicorn
-from starlette.applications import Starlette
+from starlette.types import ASGIApp
 
 from coadapt.errors import FileError, InputError
 from coadapt.robots.setup import Progress
@@ -24,7 +25,9 @@ from coadapt.study.server.pages import Pages
 from coadapt.study.server.service import Service
 from coadapt.study.server.steering import model_of
 from coadapt.study.server.unchanged import keep_protocol
+from coadapt.study.session import Stage
 from coadapt.study.store import Durability, Store
+from coadapt.study.trial import Attempt
 
 GRACE = 10
 """Seconds that requests under way have when the server stops."""
@@ -98,13 +101,18 @@ def load_service(
         task = study_task(study, directory)
         keep_protocol(store, study, task, directory, accept=accept_changes)
         robots = load_robots(study, directory, progress)
+        if progress is not None:
+            progress("Preparing the robots")
+        for robot in robots.values():  # the first decision takes long: it is compiled, or loaded
+            rng = np.random.default_rng(0)
+            Attempt(robot, Stage("trial"), 1, None, rng, study.clock.most_steps).step(None)
     except BaseException:
         store.close()
         raise
     return Service(study, robots, store, directory)
 
 
-def make_app(service: Service, *, secure: bool) -> Starlette:
+def make_app(service: Service, *, secure: bool) -> ASGIApp:
     """The web application of a study."""
     pages = Pages(service.study, model_of(service.robots))
     site = Site(service, pages, secure=secure)
@@ -128,7 +136,7 @@ def bind(address: Address) -> socket.socket:
 
 
 def run(
-    app: Starlette, address: Address, listening: socket.socket, started: Callable[[], None]
+    app: ASGIApp, address: Address, listening: socket.socket, started: Callable[[], None]
 ) -> None:
     """Serve ``app`` until the process is told to end (SIGINT or SIGTERM).
 

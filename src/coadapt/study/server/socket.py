@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
+from contextlib import suppress
 from urllib.parse import urlsplit
 
 from starlette.websockets import WebSocket, WebSocketDisconnect
@@ -129,7 +130,10 @@ async def steer(websocket: WebSocket, service: Service, connections: Connections
     await websocket.accept()
 
     async def send(message: FromServer) -> None:
-        await websocket.send_text(encode_message(message))
+        try:
+            await websocket.send_text(encode_message(message))
+        except RuntimeError as error:  # the server has closed it, for example at too long a message
+            raise WebSocketDisconnect(1006) from error
 
     box = connections.enter(key)
     reader = asyncio.create_task(_read(websocket, box, send))
@@ -137,7 +141,8 @@ async def steer(websocket: WebSocket, service: Service, connections: Connections
         reason = await _serve(Steering(service, key, send), service, key, box)
         if reason is not None:
             await send(Refused(reason=reason))
-            await websocket.close(1008)
+            with suppress(RuntimeError):
+                await websocket.close(1008)
     except WebSocketDisconnect:
         pass  # the page has gone
     finally:
