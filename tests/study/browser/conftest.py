@@ -50,7 +50,7 @@ def browser() -> Iterator[Browser]:
 
 @pytest.fixture
 def visitor(browser: Browser) -> Iterator[Visitor]:
-    """Opens pages; a message of the browser about an error or a breach of the policy is a failure."""
+    """Opens pages; an error in a program or a breach of the pages' policy is a failure."""
     contexts = []
     problems: list[str] = []
 

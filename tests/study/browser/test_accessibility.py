@@ -1,4 +1,4 @@
-"""Every page before axe, the checker of accessibility rules; and with large text, on narrow screens."""
+"""Every page before axe, the checker of accessibility, with large text and on narrow screens."""
 
 from __future__ import annotations
 

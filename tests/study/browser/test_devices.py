@@ -1,4 +1,4 @@
-"""Participants with other devices: a gamepad that the browser does not know, one switch, a finger."""
+"""Participants with other devices: an unknown gamepad, one switch, a finger."""
 
 from __future__ import annotations
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass
 from hashlib import sha256
 from importlib.resources import files
@@ -117,15 +117,19 @@ class Pages:
             trim_blocks=True,
             lstrip_blocks=True,
         )
-        self._environment.filters.update(markdown=markdown, enumerated=_enumerated)
-        self._environment.globals.update(
-            study=study,
-            style=asset("pages.css", root),
-            icon=asset("icon.svg", root),
-            forms_program=asset("built/forms.js", root),
-            steer_program=asset("built/steer.js", root),
-            preflight_program=asset("built/preflight.js", root),
-        )
+        self._environment.filters.update(markdown=markdown)
+        self._frame: dict[str, object] = {
+            "study": study,
+            "style": asset("pages.css", root),
+            "icon": asset("icon.svg", root),
+            "forms_program": asset("built/forms.js", root),
+            "steer_program": asset("built/steer.js", root),
+            "preflight_program": asset("built/preflight.js", root),
+            "visit": None,
+            "stage": None,
+            "parts": (),
+            "problems": {},
+        }
 
     def stage(self, session: Session, visit: Visit, refusal: Refusal | None = None) -> str:
         """The page of ``session``: its stage, or how it ended.
@@ -185,8 +189,7 @@ class Pages:
                 return {"questions": asked_questions(study, session), "longest": LONGEST_ANSWER}
 
     def _render(self, name: str, **values: object) -> str:
-        frame: dict[str, object] = {"visit": None, "stage": None, "parts": (), "problems": {}}
-        return self._environment.get_template(f"{name}.html.j2").render({**frame, **values})
+        return self._environment.get_template(f"{name}.html.j2").render({**self._frame, **values})
 
 
 def asset(name: str, root: str = "") -> str:
@@ -201,11 +204,6 @@ def asset(name: str, root: str = "") -> str:
         missing = f"{name} has not been built, so there is nothing to steer with"
         raise InputError(f"{missing}; run `make` in the checkout of coadapt") from None
     return f"{root}/static/{name}?v={sha256(content).hexdigest()[:12]}"
-
-
-def _enumerated(labels: Sequence[str]) -> list[tuple[int, str]]:
-    """Each label with its number, from 1."""
-    return list(enumerate(labels, start=1))
 
 
 def _heading(study: Study, stage: Stage) -> str:
