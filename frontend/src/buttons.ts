@@ -57,9 +57,14 @@ export class Buttons {
     for (const made of this.#buttons) made.classList.remove("tried");
   }
 
-  /** Whether the buttons are there to be pressed, or only to be looked at. */
-  set enabled(enabled: boolean) {
-    for (const made of this.#buttons) made.tabIndex = enabled ? 0 : -1;
+  /** Whether Tab stops at each button. */
+  set tabbed(tabbed: boolean) {
+    for (const made of this.#buttons) made.tabIndex = tabbed ? 0 : -1;
+  }
+
+  /** Whether the buttons are only there to be looked at: a click on one is one beside it. */
+  set inert(inert: boolean) {
+    this.element.inert = inert;
   }
 
   #mark(name: string, input: number | null): void {

@@ -84,7 +84,8 @@ class Preflight {
     this.#device = device;
     this.#tried.clear();
     this.#buttons.untry();
-    this.#buttons.enabled = device === "touch";
+    this.#buttons.tabbed = device === "touch";
+    this.#buttons.inert = device === "switch";
     // Only the devices that need the focus can have it: with the others there is nothing to type.
     const focus = device === "keyboard" || device === "switch";
     if (focus) this.#box.tabIndex = 0;

@@ -108,7 +108,7 @@ class Steering {
     this.#controls.append(buttons.element, element("p", {}, HOW[this.#device]));
     bindSettings(this.#settings, this.#device, wait);
     if (this.#device === "switch") {
-      buttons.enabled = false;
+      buttons.inert = true;
       const lit = (input: number | null) => buttons.scan(input);
       const { inputs } = scene;
       this.#switch = watchSwitch(window, inputs.length, this.#settings, wait, this.#held, lit);

@@ -2,9 +2,12 @@
 
 from __future__ import annotations
 
+import pytest
+
 from coadapt.study.session.events import Checked, Noted, Pressed
 from tests.study.browser.conftest import Visitor
 from tests.study.browser.person import (
+    aside,
     at_stage,
     choose,
     go_on,
@@ -13,6 +16,7 @@ from tests.study.browser.person import (
     steer_ahead,
     steer_left,
     tab_to,
+    try_keys,
 )
 from tests.study.browser.serving import Serving
 
@@ -180,3 +184,35 @@ def test_a_finger_on_a_phone(serving: Serving, visitor: Visitor) -> None:
     assert (session.device, len(session.results)) == ("touch", 1)
     events = serving.events(key_of(page))
     assert {event.device for event in events if isinstance(event, Pressed)} == {"touch"}
+
+
+@pytest.mark.parametrize("motion", ["reduce", "no-preference"])
+def test_motion(waiting: Serving, visitor: Visitor, motion: str) -> None:
+    page = visitor(reduced_motion=motion)
+    page.goto(waiting.address)
+    go_on(page)
+    at_stage(page, "preflight 1")
+    try_keys(page)
+    go_on(page)
+    go_on(page, "I agree to take part")
+    go_on(page)
+    at_stage(page, "practice 1")
+    page.wait_for_selector("text=Push in any direction")
+    page.evaluate(
+        """() => {
+            const hand = document.querySelector(".gripper");
+            window.drawn = [];
+            new MutationObserver(() => window.drawn.push(hand.getAttribute("transform")))
+                .observe(hand, { attributes: true });
+        }"""
+    )
+    before = aside(page)
+    page.keyboard.press("ArrowLeft")
+    page.wait_for_function(
+        "before => !document.querySelector('.stage svg').ariaLabel.includes(before)", arg=before
+    )
+    page.wait_for_timeout(700)
+    drawn = page.evaluate("window.drawn")
+    # A step of half a second: one jump, or many places on the way.
+    assert (len(drawn) == 1) == (motion == "reduce")
+    assert len(drawn) >= 1
