@@ -12,6 +12,8 @@ from datetime import UTC, datetime
 from hashlib import sha256
 from pathlib import Path
 
+import msgspec
+
 from coadapt import __version__
 from coadapt.errors import FileError
 from coadapt.study.export.files import TableFiles
@@ -34,6 +36,7 @@ from coadapt.study.export.tables import (
     STEPS,
     TABLES,
     TRIALS,
+    Participant,
 )
 from coadapt.study.protocol.reader import FILE, study_task
 from coadapt.study.record import Stored
@@ -92,6 +95,13 @@ def _new_folder(target: Path) -> Generator[Path]:
         shutil.rmtree(old, ignore_errors=True)
 
 
+def bare(participant: Participant) -> Participant:
+    """What is told of someone who declined or withdrew: that they did, when and where."""
+    untold = ("device", "pad", "browser", "width", "height", "latency", "choice", "changed")
+    values = dict.fromkeys(untold)
+    return msgspec.structs.replace(participant, **values, checks=0, checks_failed=0, restarts=0)
+
+
 def _write(
     stored: Stored, folder: Path, now: float, private: bool, progress: Callable[[str], None]
 ) -> Manifest:
@@ -113,8 +123,9 @@ def _write(
             included += participant.included
             simulated += participant.simulated
             progress(f"Exporting: {standings.total():,} sessions")
-            files[PARTICIPANTS.name].write([participant])
-            if private or participant.standing not in PRIVATE:
+            is_told = private or participant.standing not in PRIVATE
+            files[PARTICIPANTS.name].write([participant if is_told else bare(participant)])
+            if is_told:
                 files[TRIALS.name].write(session.trials())
                 files[STEPS.name].write(session.steps())
                 files[ANSWERS.name].write(session.answers())

@@ -18,11 +18,11 @@ def write_identities(stored: Stored, path: str | os.PathLike[str]) -> None:
         FileError: if the file cannot be written.
     """
     names = stored.study.recruitment.parameters
-    with replacing(path) as file, io.TextIOWrapper(file, encoding="utf-8", newline="") as text:
-        table = csv.writer(text, lineterminator="\n")
-        table.writerow(["participant", *names])
-        for record in stored.records():
-            opened = next(k.event for k in record.events if isinstance(k.event, Opened))
-            table.writerow([record.alias, *(opened.parameters.get(name, "") for name in names)])
-        text.flush()
-        _ = text.detach()
+    text = io.StringIO(newline="")
+    table = csv.writer(text, lineterminator="\n")
+    table.writerow(["participant", *names])
+    for record in stored.records():
+        opened = next(k.event for k in record.events if isinstance(k.event, Opened))
+        table.writerow([record.alias, *(opened.parameters.get(name, "") for name in names)])
+    with replacing(path) as file:
+        file.write(text.getvalue().encode())
