@@ -12,6 +12,7 @@ import numpy as np
 
 from coadapt.robots import Robot
 from coadapt.simulation import SimulatedPartner
+from coadapt.simulation.partners import acting
 from coadapt.study.allocation import Allotted, allocate
 from coadapt.study.protocol import Study, read_study
 from coadapt.study.protocol.reader import FILE, template
@@ -143,11 +144,12 @@ class Driver:
         self.record_event(attempt.began)
         goal = self.session.choice
         mode = int(self._rng.integers(2)) if goal is None else goal
-        partner = SimulatedPartner(self._alpha, mode)
         model = self._robot.model
+        partner = acting(SimulatedPartner(self._alpha, mode), model)
+        person = partner.begin(model, attempt.state, None, self._rng)
         steps = 0
         while not attempt.done and steps != stop_after:
-            given = partner.act(model, attempt.state, mode, self._rng)
+            given = partner.act(model, attempt.state, person, self._rng)
             self._sequence += 1
             pressed = Pressed(
                 input=given, device="keyboard", sequence=self._sequence, page_time=self._time - NOON
@@ -157,7 +159,7 @@ class Driver:
             self.record_event(stepped, after=0.15)
             if stepped.window is not None and stepped.action is not None:
                 window, action = stepped.window, stepped.action
-                mode = partner.next_mode(model, window, mode, action, self._rng)
+                person = partner.react(model, window, person, action, 0, self._rng)
             steps += 1
         if attempt.done:
             self.record_event(attempt.finished())

@@ -42,4 +42,3 @@ def piloted() -> Path:
 def copy_of(directory: Path, to: Path) -> Path:
     """A copy of a study with its data, to be changed."""
     return Path(shutil.copytree(directory, to))
-

@@ -12,7 +12,9 @@ from websockets.asyncio.client import ClientConnection, connect
 from websockets.exceptions import ConnectionClosed
 
 from coadapt.formalism import SharedAutonomy
-from coadapt.simulation import SimulatedPartner
+from coadapt.simulation import Partner, SimulatedPartner
+from coadapt.simulation import Person as Mind
+from coadapt.simulation.partners import acting
 from coadapt.study.pilot.person import Person
 from coadapt.study.server.messages import (
     Begun,
@@ -121,10 +123,10 @@ class Hand:
         Raises:
             Lost: if the server ended the connection, or refused something.
         """
-        person, model = self._person, self._model
-        partner = SimulatedPartner(person.adaptability, goal)
-        mode, held, steps, waits = goal, None, 0, False
-        window = 0
+        model, rng = self._model, self._person.rng
+        partner = acting(SimulatedPartner(self._person.adaptability, goal), model)
+        mind: Mind | None = None
+        held, steps, waits = None, 0, False
         async with line_to(url) as line:
             await line.send(Ready())
             while True:
@@ -132,16 +134,16 @@ class Hand:
                     case Scene() as scene:
                         waits = scene.turns == "wait"
                     case Begun() as begun:
-                        window = int(model.windows.beginning[begun.state])
-                        held = await self._press(line, partner, begun.state, mode, None, waits)
-                    case Step() as step:
+                        mind = partner.begin(model, begun.state, None, rng)
+                        held = await self._press(line, partner, begun.state, mind, None, waits)
+                    case Step() as step if mind is not None:
                         steps += 1
                         if steps == breaks_after:
                             if lost:
                                 line.drop()
                             return False
-                        window, mode = self._see(partner, window, mode, step)
-                        held = await self._press(line, partner, step.reached, mode, held, waits)
+                        mind = self._see(partner, mind, step)
+                        held = await self._press(line, partner, step.reached, mind, held, waits)
                     case Over():
                         return True
                     case Refused() as refused:
@@ -152,9 +154,9 @@ class Hand:
     async def _press(
         self,
         line: Line,
-        partner: SimulatedPartner,
+        partner: Partner,
         state: int,
-        mode: int,
+        mind: Mind,
         held: int | None,
         waits: bool,
     ) -> int | None:
@@ -164,7 +166,7 @@ class Hand:
             return held
         given = None
         while True:
-            given = partner.act(model, state, mode, person.rng)
+            given = partner.act(model, state, mind, person.rng)
             if person.chance(person.population.noise):
                 given = int(person.rng.integers(len(model.input_names)))
             if given is not None or not waits:  # nothing happens without one
@@ -178,16 +180,12 @@ class Hand:
             )
         return given
 
-    def _see(
-        self, partner: SimulatedPartner, window: int, mode: int, step: Step
-    ) -> tuple[int, int]:
-        """Window and mode after the robot was seen to move."""
-        model = self._model
-        outcomes = model.world.outcomes[step.state]  # [A, N]
-        matches = (outcomes == step.reached) & (model.world.outcome_chances[step.state] > 0)
-        if not matches.any():
-            return window, mode  # in training the robot may stay
-        action = int(matches.any(axis=1).argmax())
-        which = int(matches[action].argmax())
-        mode = partner.next_mode(model, window, mode, action, self._person.rng)
-        return int(model.windows.next[window, action, which]), mode
+    def _see(self, partner: Partner, mind: Mind, step: Step) -> Mind:
+        """What they think after the robot was seen to move."""
+        model, possible = self._model, self._model.world.outcome_chances[step.state] > 0
+        leads = (model.world.outcomes[step.state] == step.reached) & possible  # [A, N]
+        if not leads.any():
+            return mind  # in training the robot may stay
+        action = int(leads.any(axis=1).argmax())
+        outcome = int(leads[action].argmax())
+        return partner.react(model, mind.window, mind, action, outcome, self._person.rng)

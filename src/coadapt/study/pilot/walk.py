@@ -110,7 +110,8 @@ class Walk:
     async def _steer(self, page: Page, hand: Hand, goal: int) -> Page:
         """Steer until the training session or trial has come to its end; the page after it."""
         person, population = self.person, self.person.population
-        address = self.address
+        address, heading = self.address, page.heading
+        refused = False
         for _ in range(TRIES):
             reloads, lost = (person.chance(p) for p in (population.reloads, population.disconnects))
             breaks_after = int(person.rng.integers(1, 8)) if reloads or lost else None
@@ -118,10 +119,14 @@ class Walk:
             try:
                 done = await hand.attempt(self._socket(page.socket), goal, breaks_after, lost=lost)
             except Lost as error:
-                raise Failed(f"steering ended: {error}") from error
-            if done or reloads:
+                # The last step may have been on its way when the connection was lost: the page
+                # that is there then offers to load it again.
+                if refused:
+                    raise Failed(f"steering ended: {error}") from error
+                done, refused = False, True
+            if done or reloads or refused:
                 page = await self._get(address)
-            if done:
+            if done or not page.steers or page.heading != heading:
                 return page
         raise Failed(f"still steering after {TRIES} attempts")
 
