@@ -19,6 +19,9 @@ CONTENTS = {
     "`data/description-TABLE_data.json`": "their columns",
     "`data/parquet/TABLE.parquet`": "the same tables with types",
     "`data/raw/sessions.jsonl`": "each session with its events, a JSON object a line",
+    "`logs/CONDITION-CHOICE.csv`": "the finished trials of those to be analysed, in the "
+    "[log format](log-format.md), for `coadapt fit` and, where beliefs are not carried from trial "
+    "to trial, `coadapt replay`",
     "`documentation/codebook.md`, `.json`": "what every column means",
     "`materials/study.toml`": "the protocol",
     "`materials/model.json`": "names of states, goals, inputs and actions, and the values of "

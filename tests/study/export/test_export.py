@@ -13,6 +13,7 @@ import msgspec
 import pyarrow.parquet as pq
 import pytest
 
+from coadapt.cli import main
 from coadapt.errors import FileError
 from coadapt.robots import Robot
 from coadapt.simulation import Episode, Trial
@@ -352,6 +353,27 @@ def test_robots_can_be_built_from_the_materials(
         choice = ["left", "right"].index(entry["choice"])
         robot = robots[entry["condition"], choice]
         assert setup.model().world.goals == robot.model.world.goals
+
+
+def test_logs_can_be_replayed_by_robots_that_are_planned_anew(
+    whole: tuple[Path, dict[str, list[Row]]], tmp_path: Path, capsys: pytest.CaptureFixture[str]
+) -> None:
+    out, tables = whole
+    logs = sorted((out / "logs").iterdir())
+    trials = 0
+    for log in logs:
+        if log.name.startswith("mutual_adaptation"):
+            saved = tmp_path / log.name
+            # The exit code is 1 where the robot decides otherwise than recorded.
+            assert main(["replay", str(log), "--out", str(saved), "--json"]) == 0
+            trials += len(json.loads(capsys.readouterr().out)["trials"])
+    mutual = [t for t in tables["trials"] if t["condition"] == "mutual_adaptation"]
+    assert trials == len(mutual) > 0
+
+
+def test_logs_are_of_those_to_be_analysed(tmp_path: Path) -> None:
+    exported(unfinished_sessions(), tmp_path / "e")
+    assert not (tmp_path / "e/logs").exists()
 
 
 def test_the_same_data_give_the_same_files(tmp_path: Path) -> None:

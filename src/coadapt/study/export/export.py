@@ -17,6 +17,7 @@ import msgspec
 from coadapt import __version__
 from coadapt.errors import FileError
 from coadapt.study.export.files import TableFiles
+from coadapt.study.export.logs import Logs
 from coadapt.study.export.materials import (
     MANIFEST,
     Counts,
@@ -37,6 +38,8 @@ from coadapt.study.export.tables import (
     TABLES,
     TRIALS,
     Participant,
+    StepRow,
+    TrialRow,
 )
 from coadapt.study.protocol.reader import FILE, study_task
 from coadapt.study.record import Stored
@@ -95,6 +98,18 @@ def _new_folder(target: Path) -> Generator[Path]:
         shutil.rmtree(old, ignore_errors=True)
 
 
+def _write_logs(logs: Logs, trials: list[TrialRow], steps: list[StepRow]) -> None:
+    """Write the finished trials of one session."""
+    for trial in trials:
+        theirs = [
+            step
+            for step in steps
+            if step.stage == "trial" and step.number == trial.trial and step.counts
+        ]
+        if theirs:
+            logs.write(trial.condition, trial.choice, theirs)
+
+
 def bare(participant: Participant) -> Participant:
     """What is told of someone who declined or withdrew: that they did, when and where."""
     untold = ("device", "pad", "browser", "width", "height", "latency", "choice", "changed")
@@ -116,6 +131,7 @@ def _write(
     with ExitStack() as stack:
         files = {t.name: stack.enter_context(TableFiles(t, data, parquet)) for t in TABLES}
         lines = stack.enter_context((raw / "sessions.jsonl").open("wb"))
+        logs = stack.enter_context(Logs(folder / "logs", study, task, names))
         for record in stored.records():
             session = SessionRows(stored, names, record, now)
             participant = session.participant()
@@ -126,8 +142,11 @@ def _write(
             is_told = private or participant.standing not in PRIVATE
             files[PARTICIPANTS.name].write([participant if is_told else bare(participant)])
             if is_told:
-                files[TRIALS.name].write(session.trials())
-                files[STEPS.name].write(session.steps())
+                trials, steps = list(session.trials()), list(session.steps())
+                files[TRIALS.name].write(trials)
+                files[STEPS.name].write(steps)
+                if participant.included:
+                    _write_logs(logs, trials, steps)
                 files[ANSWERS.name].write(session.answers())
                 files[EVENTS.name].write(session.events())
                 lines.write(session.as_json() + b"\n")

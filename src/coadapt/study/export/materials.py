@@ -163,6 +163,9 @@ The same tables are in `data/parquet` with their types. CSV files are UTF-8 with
 cell is a missing value, lists are JSON. Every column is explained in `documentation/codebook.md`.
 `data/raw/sessions.jsonl` holds each session with its events, a JSON object a line.
 
+`logs` holds the trials of those to be analysed once more, a log for each condition and chosen goal,
+as `coadapt fit` and `coadapt replay` read them.
+
 `materials/study.toml` is the protocol. `materials/model.json` names states, goals, inputs, actions
 and the values of adaptability, in the order of their numbers in the tables.
 `materials/robots.json` holds what the robots were built from. `export.json` describes this export
