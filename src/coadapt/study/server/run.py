@@ -5,6 +5,7 @@ from __future__ import annotations
 import logging
 import socket
 from collections.abc import Callable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 from ipaddress import ip_address
 from pathlib import Path
@@ -171,7 +172,8 @@ def run(
         config.load()
     except OSError as error:  # ssl.SSLError is one
         raise InputError(f"certificate and key cannot be used: {error}") from error
-    _Server(config, started).run([listening])
+    with suppress(KeyboardInterrupt):  # raised again by uvicorn once all is closed
+        _Server(config, started).run([listening])
 
 
 class _Server(uvicorn.Server):
