@@ -70,6 +70,7 @@ export class Connection {
       }
       this.#listener.message(message);
     };
+    socket.onopen = () => this.ping();
     socket.onclose = () => {
       if (this.#socket === socket) this.#gone();
     };

@@ -87,7 +87,11 @@ def serving(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Serving]:
 def waiting(tmp_path_factory: pytest.TempPathFactory) -> Iterator[Serving]:
     """A study that waits for inputs, with little to do."""
     directory: Path = tmp_path_factory.mktemp("studies") / "waiting"
-    few = [("step = 0.08", "step = 0.5"), ('turns = "fixed"', 'turns = "wait"'), ("practice = 2", "practice = 1")]
+    few = [
+        ("step = 0.08", "step = 0.5"),
+        ('turns = "fixed"', 'turns = "wait"'),
+        ("practice = 2", "practice = 1"),
+    ]
     few.append(("trials = 3", "trials = 1"))
     served = Serving(write_study(directory, *few, questions=False))
     yield served

@@ -11,11 +11,12 @@ import uvicorn
 from coadapt.study.protocol import Study
 from coadapt.study.protocol.reader import FILE, template
 from coadapt.study.server.run import Address, bind, load_service, make_app
+from coadapt.study.server.security import new_admin_token
 from coadapt.study.session import Event, Session, replayed
 from coadapt.study.store import Store
 
-PATIENCE = 20.0
-"""Seconds in which a server has to start or stop."""
+PATIENCE = 120.0
+"""Seconds in which a server has to start, with all that is compiled then, or to stop."""
 
 
 CONDITION = """[[conditions]]
@@ -92,6 +93,14 @@ class Serving:
             row = store.find(key=key)
             assert row is not None
             return [kept.event for kept in store.events(row.id)]
+        finally:
+            store.close()
+
+    def admin_link(self) -> str:
+        """What the researcher opens."""
+        store = Store(Store.url_in(self.directory))
+        try:
+            return f"{self.address}/admin?token={new_admin_token(store)}"
         finally:
             store.close()
 
