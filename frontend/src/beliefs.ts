@@ -2,7 +2,7 @@
 
 import { element, set, shape } from "./shapes";
 
-const [WIDE, HIGH, GAP] = [220, 22, 6];
+const [WIDE, HIGH, GAP] = [150, 22, 6];
 
 /** Bars for the probabilities of some values. */
 class Bars {
@@ -24,7 +24,7 @@ class Bars {
       shape("rect", { x: 90, y: i * (HIGH + GAP), width: WIDE, height: HIGH, fill: "#dde3e7" }),
     );
     const height = names.length * (HIGH + GAP);
-    const box = { viewBox: `0 0 ${WIDE + 150} ${height}`, width: WIDE + 150, height };
+    const box = { viewBox: `0 0 ${WIDE + 150} ${height}`, width: "100%" };
     const drawn = shape("svg", box, ...tracks, ...this.#bars, ...labels, ...this.#numbers);
     this.element = element("figure", {}, element("figcaption", {}, title));
     this.element.append(drawn);
