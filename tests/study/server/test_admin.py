@@ -188,6 +188,18 @@ def test_errors_of_pages_are_seen(researcher: Researcher) -> None:
     assert "<script>alert" not in page and "&lt;script&gt;alert" in page
 
 
+def test_a_session_that_does_not_fit_the_protocol_hides_no_other(researcher: Researcher) -> None:
+    number, key = researcher.session()
+    with researcher.service.store.database.writing() as connection:
+        connection.exec_driver_sql(
+            f"DELETE FROM events WHERE session = {number} AND kind = 'consented'"
+        )
+    page = researcher.page()
+    assert f"The events of {alias_of(key)} do not fit" in page
+    assert page.count('class="tag">simulated') == PEOPLE - 1
+    assert researcher.client.get(f"/admin/sessions/{number}").status_code == 409
+
+
 def test_the_recording_is_what_happened(researcher: Researcher) -> None:
     number, key = researcher.session()
     service = researcher.service

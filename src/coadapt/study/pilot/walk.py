@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 from dataclasses import dataclass
 from typing import Literal
 
@@ -19,6 +20,10 @@ Ending = Literal["finished", "vanished", "withdrawn", "declined", "turned away",
 
 TRIES = 20
 """Attempts at one training session or trial before a participant gives up."""
+
+
+TOO_FAST = 429
+"""Status of an answer that asks to come later."""
 
 
 class Failed(Exception):
@@ -138,8 +143,11 @@ class Walk:
         return "withdrawn"
 
     async def _get(self, address: str) -> Page:
-        answer = await self.client.get(address, follow_redirects=True)
-        return self._read(answer)
+        while True:
+            answer = await self.client.get(address, follow_redirects=True)
+            if answer.status_code != TOO_FAST:
+                return self._read(answer)
+            await asyncio.sleep(1.0)  # so many come at once that the server lets them wait
 
     async def _post(self, form: Form, filled: dict[str, str]) -> Page:
         answer = await self.client.post(form.action, data=filled, follow_redirects=True)

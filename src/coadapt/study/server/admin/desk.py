@@ -5,6 +5,8 @@ from __future__ import annotations
 import asyncio
 import time
 from collections import Counter
+from concurrent.futures import ProcessPoolExecutor
+from multiprocessing import get_context
 from pathlib import Path
 from tempfile import mkdtemp
 
@@ -12,6 +14,7 @@ import msgspec
 
 from coadapt.study.attempts import StoredAttempt, attempts_of
 from coadapt.study.export import export
+from coadapt.study.protocol import read_study
 from coadapt.study.record import Record, Standing, Stored, alias_of, standing
 from coadapt.study.server.admin.blinding import (
     Act,
@@ -25,8 +28,9 @@ from coadapt.study.server.admin.recording import Recording, recording_of
 from coadapt.study.server.service import Service, Status
 from coadapt.study.server.socket import Connections
 from coadapt.study.server.steering import model_of
+from coadapt.study.session import NotNow
 from coadapt.study.session.events import Noted
-from coadapt.study.store import Row
+from coadapt.study.store import Row, Store
 
 PAGE = 50
 """Sessions on a page of the dashboard."""
@@ -49,6 +53,8 @@ class Dashboard(msgspec.Struct, frozen=True, kw_only=True):
         conditions: by condition and standing; None while blinded.
         unblindings: what is kept of unblinding.
         glances: some sessions, the latest first.
+        unreadable: pseudonyms of those among them whose events do not fit the protocol, as after a
+            change of it.
         page, pages: which part of the sessions that is, from 1.
         shown: the standing that was asked for, or None for all.
     """
@@ -61,6 +67,7 @@ class Dashboard(msgspec.Struct, frozen=True, kw_only=True):
     conditions: dict[str, dict[Standing, int]] | None
     unblindings: tuple[Unblinding, ...]
     glances: list[Glance]
+    unreadable: list[str]
     page: int
     pages: int
     shown: str | None
@@ -97,7 +104,14 @@ class Desk:
         pages = max(1, -(-len(chosen) // PAGE))
         page = min(max(page, 1), pages)
         some = chosen[(page - 1) * PAGE : page * PAGE]
-        records = [await self._record(row) for row in some]
+        glances, unreadable = list[Glance](), list[str]()
+        for row in some:
+            record = await self._record(row)
+            try:
+                if record.events:  # else it was deleted meanwhile
+                    glances.append(self._glance(record, now))
+            except NotNow:
+                unreadable.append(record.alias)
         return Dashboard(
             status=await self.service.status(),
             now=now,
@@ -106,7 +120,8 @@ class Desk:
             deleted=len(await asyncio.to_thread(store.deleted)),
             conditions=self._conditions(stands) if is_unblinded(kept) else None,
             unblindings=kept,
-            glances=[self._glance(record, now) for record in records if record.events],
+            glances=glances,
+            unreadable=unreadable,
             page=page,
             pages=pages,
             shown=shown,
@@ -185,15 +200,20 @@ class Desk:
         self._connections.end(record.key, EXCLUDED)
 
     async def export(self) -> Path:
-        """An export in a new temporary folder; that it was taken is kept."""
-        await self.keep("exported")
-        return await asyncio.to_thread(self._export)
+        """An export in a new temporary folder; that it was taken is kept.
 
-    def _export(self) -> Path:
+        It is written by another process, so that those who are steering do not feel it.
+        """
+        await self.keep("exported")
         service = self.service
         folder = Path(mkdtemp(prefix="coadapt-export-")) / "export"
-        stored = Stored.of(service.directory, service.study, service.store)
-        export(stored, folder, time.time())
+        url = service.store.database.engine.url.render_as_string(hide_password=False)
+        apart = ProcessPoolExecutor(1, mp_context=get_context("spawn"))
+        try:
+            loop = asyncio.get_running_loop()
+            await loop.run_in_executor(apart, write_export, service.directory, url, folder)
+        finally:
+            apart.shutdown(wait=False)
         return folder
 
     def _conditions(self, stands: list[tuple[Row, Standing]]) -> dict[str, dict[Standing, int]]:
@@ -211,3 +231,12 @@ class Desk:
     def _glance(self, record: Record, now: float) -> Glance:
         connected = record.key in self._connections
         return glance(self.service.study, record, now, connected=connected)
+
+
+def write_export(directory: Path, url: str, folder: Path) -> None:
+    """Write an export of the study in ``directory`` with its database to ``folder``."""
+    store = Store(url)
+    try:
+        export(Stored.of(directory, read_study(directory), store), folder, time.time())
+    finally:
+        store.close()
