@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
-from typing import cast
+from collections.abc import Iterator, Mapping, Sequence
+from typing import TypeGuard, cast
 
 import msgspec
 
@@ -128,15 +128,23 @@ class _Kind(msgspec.Struct):
     task: msgspec.Raw = msgspec.Raw()
 
 
-def _differences(
-    before: Mapping[str, object], now: Mapping[str, object], prefix: str
-) -> Iterator[str]:
-    for name in sorted({*before, *now}):
-        old, new = before.get(name), now.get(name)
-        if isinstance(old, dict) and isinstance(new, dict):
-            yield from _differences(old, new, f"{prefix}{name}.")  # pyright: ignore
-        elif old != new:
-            yield f"{prefix}{name}"
+def _differences(before: object, now: object, place: str) -> Iterator[str]:
+    if isinstance(before, dict) and isinstance(now, dict):
+        old, new = cast("dict[str, object]", before), cast("dict[str, object]", now)
+        for name in sorted({*old, *new}):
+            yield from _differences(old.get(name), new.get(name), f"{place}.{name}".lstrip("."))
+    elif _are_tables(before) and _are_tables(now) and len(before) == len(now):
+        for i, (one, other) in enumerate(zip(before, now, strict=True)):
+            yield from _differences(one, other, f"{place}[{i}]")
+    elif before != now:
+        yield place
+
+
+def _are_tables(value: object) -> TypeGuard[Sequence[dict[str, object]]]:
+    """Whether ``value`` is a row of tables, such as goals."""
+    if not isinstance(value, list | tuple):
+        return False
+    return all(isinstance(part, dict) for part in cast("Sequence[object]", value))
 
 
 def _field(error: FieldError) -> str:
