@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 import re
 import shutil
 from pathlib import Path
@@ -10,6 +11,7 @@ import click
 import pytest
 
 from coadapt.cli import main
+from coadapt.cli.fit import command as fit
 from coadapt.cli.study import COMMANDS, command
 from coadapt.cli.study.serve import example
 from coadapt.study.protocol import read_study
@@ -83,6 +85,24 @@ def test_the_commands_do_what_is_shown(
     assert (tmp_path / "who-is-who.csv").is_file()
 
 
+def test_the_fit_takes_the_folder(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
+    from coadapt.study.export import export
+    from coadapt.study.record import Stored
+    from tests.study.sessions import NOON, allocated_sessions
+
+    directory, study, _ = small_study()
+    out = tmp_path / "data"
+    export(Stored(directory, study, lambda: allocated_sessions(6)), out, NOON)
+    (line,) = re.findall(r"^coadapt (fit .*)$", PAGE, re.MULTILINE)
+    arguments = [str(out) if part == "data" else part for part in line.split()]
+    assert main([*arguments, "--json"]) == 0
+    fitted = json.loads(capsys.readouterr().out)
+    assert len(fitted["participants"]) == 6
+    (tmp_path / "empty").mkdir()
+    assert main(["fit", str(tmp_path / "empty")]) == 2
+    assert "found no logs" in capsys.readouterr().err
+
+
 def test_the_script_reads_the_tables(tmp_path: Path) -> None:
     """The columns and files that the Python on the page names are there."""
     import pyarrow.parquet as pq
@@ -104,13 +124,9 @@ def test_the_script_reads_the_tables(tmp_path: Path) -> None:
 
 
 def test_everything_named_exists() -> None:
-    known = {
-        option
-        for name in COMMANDS
-        if (found := command.get_command(click.Context(command), name)) is not None
-        for parameter in found.params
-        for option in parameter.opts
-    }
+    context = click.Context(command)
+    commands = [fit, *(command.get_command(context, name) for name in COMMANDS)]
+    known = {o for c in commands if c is not None for p in c.params for o in p.opts}
     assert set(re.findall(r"(?<![\w-])--[a-z][a-z-]+", PAGE)) <= known | {"--help"}
     for link in re.findall(r"\]\((?!https)([^)]+)\)", PAGE):
         assert (Path(__file__).parents[1] / "docs" / "how-to" / link).is_file(), link

@@ -96,7 +96,8 @@ def command(
     """Adaptability of people and populations, from logs.
 
     LOG is a log with decisions, written by `coadapt play`, `simulate --log` or a study. Several
-    files are several participants; within a file the column "participant" tells them apart.
+    files are several participants; within a file the column "participant" tells them apart. A folder
+    that `coadapt study export` wrote stands for the logs in it.
 
     For each participant: the posterior of alpha with a credible interval. For the population: mean
     and standard deviation of a beta distribution by maximum likelihood with confidence intervals,
@@ -110,10 +111,10 @@ def command(
     with progress_line(not as_json) as tell:
         tell("Reading")
         from coadapt.analysis.adaptability.fit import fit_adaptability
-        from coadapt.analysis.adaptability.logs import read_logs
+        from coadapt.analysis.adaptability.logs import logs_in, read_logs
         from coadapt.cli.fit_output import lines, record, write_modes
 
-        read = read_logs(logs, each_trial=each_trial)
+        read = read_logs(logs_in(logs), each_trial=each_trial)
         person = _person(read, between_trials == "keep", first_mode, memory, lapse)
         _require_values(values)
         tell(f"Fitting {len(read.recordings):,} participants")

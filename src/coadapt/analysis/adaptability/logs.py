@@ -45,6 +45,25 @@ class Logs:
     recordings: Recordings
 
 
+def logs_in(paths: Sequence[Path]) -> list[Path]:
+    """``paths``, with the logs of a study's export in place of its folder.
+
+    Raises:
+        FileError: if a folder holds no logs.
+    """
+    found: list[Path] = []
+    for path in paths:
+        if not path.is_dir():
+            found.append(path)
+            continue
+        inside = sorted((path / "logs").glob("*.csv"))
+        if not inside:
+            wanted = "found no logs in this folder, expected an export of a study with some"
+            raise FileError(path, None, wanted)
+        found += inside
+    return found
+
+
 def read_logs(paths: Sequence[str | os.PathLike[str]], *, each_trial: bool = False) -> Logs:
     """The recordings in at least one log.
 
