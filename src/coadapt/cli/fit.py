@@ -96,8 +96,8 @@ def command(
     """Adaptability of people and populations, from logs.
 
     LOG is a log with decisions, written by `coadapt play`, `simulate --log` or a study. Several
-    files are several participants; within a file the column "participant" tells them apart. A folder
-    that `coadapt study export` wrote stands for the logs in it.
+    files are several participants; within a file the column "participant" tells them apart. A
+    folder that `coadapt study export` wrote stands for the logs in it.
 
     For each participant: the posterior of alpha with a credible interval. For the population: mean
     and standard deviation of a beta distribution by maximum likelihood with confidence intervals,

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping, Sequence
-from typing import TypeGuard, cast
+from typing import cast
 
 import msgspec
 
@@ -129,22 +129,26 @@ class _Kind(msgspec.Struct):
 
 
 def _differences(before: object, now: object, place: str) -> Iterator[str]:
-    if isinstance(before, dict) and isinstance(now, dict):
-        old, new = cast("dict[str, object]", before), cast("dict[str, object]", now)
-        for name in sorted({*old, *new}):
-            yield from _differences(old.get(name), new.get(name), f"{place}.{name}".lstrip("."))
-    elif _are_tables(before) and _are_tables(now) and len(before) == len(now):
-        for i, (one, other) in enumerate(zip(before, now, strict=True)):
-            yield from _differences(one, other, f"{place}[{i}]")
-    elif before != now:
-        yield place
+    old, new = _parts(before), _parts(now)
+    is_row = not isinstance(now, dict)
+    if old is None or new is None or (is_row and old.keys() != new.keys()):
+        if before != now:
+            yield place
+        return
+    for name in sorted({*old, *new}):
+        inner = f"{place}{name}" if name.startswith("[") else f"{place}.{name}".lstrip(".")
+        yield from _differences(old.get(name), new.get(name), inner)
 
 
-def _are_tables(value: object) -> TypeGuard[Sequence[dict[str, object]]]:
-    """Whether ``value`` is a row of tables, such as goals."""
-    if not isinstance(value, list | tuple):
-        return False
-    return all(isinstance(part, dict) for part in cast("Sequence[object]", value))
+def _parts(value: object) -> dict[str, object] | None:
+    """The parts of a table, or of a row of tables such as goals; None of anything else."""
+    if isinstance(value, dict):
+        return cast("dict[str, object]", value)
+    if isinstance(value, list | tuple):
+        parts = cast("Sequence[object]", value)
+        if all(isinstance(part, dict) for part in parts):
+            return {f"[{i}]": part for i, part in enumerate(parts)}
+    return None
 
 
 def _field(error: FieldError) -> str:
