@@ -24,8 +24,8 @@ COMMANDS = {
     "robustness": "Measure what a robot loses with people who break its model.",
     "simulate": "Run a robot with simulated people.",
     "solve": "Plan for a problem: a policy with certified bounds.",
-    "sweep": "Run a grid of simulations, on this machine or a cluster.",
     "study": "Studies that people take part in.",
+    "sweep": "Run a grid of simulations, on this machine or a cluster.",
     "tasks": "List the tasks, or show one.",
 }
 """Every command with its one-line summary; ``coadapt.cli.NAME`` holds it as ``command``."""
