@@ -118,6 +118,13 @@ def test_another_seed_gives_other_people() -> None:
     assert [p.mood for p in people(5, Population(), stages, 1)] == [p.mood for p in some[:5]]
 
 
+@pytest.fixture(autouse=True)
+def pilot_is_over(capsys: pytest.CaptureFixture[str]) -> None:
+    """What the pilot says is not what the commands after it say."""
+    piloted()
+    capsys.readouterr()
+
+
 def test_replay_finds_no_difference(capsys: pytest.CaptureFixture[str]) -> None:
     code = main(["study", "replay", str(piloted()), "--json"])
     found = json.loads(capsys.readouterr().out)
