@@ -15,6 +15,7 @@ import pytest
 from coadapt.study.protocol import Allocation
 from coadapt.study.server import service as module
 from coadapt.study.server.service import Closed, Service, Unreadable
+from coadapt.study.server.standings import digest_of, standing_of
 from coadapt.study.server.steering import new_attempt
 from coadapt.study.session import BEGINNING, NotNow, Session, Stage, replayed
 from coadapt.study.session.events import Began, Chose, Consented, Noted, Read, Withdrew
@@ -40,7 +41,7 @@ def test_a_session_is_what_its_events_say(url: str) -> None:
             (row,) = await service.rows()
             assert events[0].parameters == {"PROLIFIC_PID": "P1", "STUDY_ID": "S"}  # type: ignore[union-attr]
             assert (row.participant, row.place) == ("P1", 1)
-            assert row.digest == module.digest_of(session)
+            assert row.digest == digest_of(session)
         async with serving(url) as again:  # after a restart
             assert await again.session(key) == session
 
@@ -254,11 +255,11 @@ def test_stale_sessions_are_replaced_until_they_come_back(url: str) -> None:
             assert (await service.allocate(b)).condition is not None
             rows = {row.key: row for row in await service.rows()}
             now = time.time()
-            assert module.standing_of(study, rows[a], now) == "lost"
-            assert module.standing_of(study, rows[b], now) == "active"
+            assert standing_of(study, rows[a], now) == "lost"
+            assert standing_of(study, rows[b], now) == "active"
             await service.record(a, Noted(what="alive"))
             rows = {row.key: row for row in await service.rows()}
-            assert module.standing_of(study, rows[a], time.time()) == "active"
+            assert standing_of(study, rows[a], time.time()) == "active"
 
     asyncio.run(run())
 
@@ -341,7 +342,7 @@ def test_a_deletion_during_an_allocation_disturbs_nobody(url: str) -> None:
             await a.record(key, Chose(goal=0))
             await asyncio.gather(a.allocate(key), b.delete(key), return_exceptions=True)
             with a.store.database.reading() as connection:
-                assert a.store.allocated(connection) == []
+                assert a.store.allotted(connection, 0.0) == []
             with pytest.raises(KeyError):
                 await a.session(key)
 

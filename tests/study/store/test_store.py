@@ -145,12 +145,34 @@ def test_digest_and_place(store: Store) -> None:
     with store.database.writing() as connection:
         for row in (rows[2], rows[0]):
             set_place(connection, row.id)
+    assert [(row.key, row.place) for row in store.rows()] == [("a", 2), ("b", None), ("c", 1)]
+    found = store.rows()[2]
+    assert (found.digest, found.seen) == (digest, 5.0)
+
+
+def test_allotted_sessions_are_counted_by_kind(store: Store) -> None:
+    kinds = [
+        *[(Digest("a", 1, "touch"), 5.0)] * 3,
+        *[(Digest("a", 1, "touch"), 50.0)] * 2,
+        *[(Digest("a", 1, "touch", "withdrawn"), 5.0)] * 2,
+        (Digest("b", 0, "touch", "finished"), 5.0),
+    ]
+    rows = [add(store, f"{i}") for i in range(len(kinds) + 1)]  # the last is not allocated
+    for row, (digest, seen) in zip(rows, kinds, strict=False):
+        append(store, Addition(row.id, 2, seen, [Noted(what="x")], digest))
+        with store.database.writing() as connection:
+            set_place(connection, row.id)
     with store.database.reading() as connection:
-        found = store.allocated(connection)
-    assert [(row.key, row.place) for row in found] == [("c", 1), ("a", 2)]
-    assert found[0].digest == digest
-    assert found[0].seen == 5.0
-    assert found[1].digest == Digest()
+        found = store.allotted(connection, 10.0)
+    assert sorted(found, key=str) == sorted(
+        [
+            (Digest("a", 1, "touch"), True, 3),
+            (Digest("a", 1, "touch"), False, 2),
+            (Digest("a", 1, "touch", "withdrawn"), False, 2),
+            (Digest("b", 0, "touch", "finished"), False, 1),
+        ],
+        key=str,
+    )
 
 
 def test_deleted_sessions_leave_nothing(store: Store, url: str, tmp_path: Path) -> None:

@@ -13,9 +13,9 @@ from typing import Literal
 
 from sqlalchemy import Connection
 
-from coadapt.study.allocation import Allotted, Standing, allocate
 from coadapt.study.protocol import Study
 from coadapt.study.robots import Robots
+from coadapt.study.server.standings import allocate_session, digest_of
 from coadapt.study.session import BEGINNING, Event, NotNow, Session, advance
 from coadapt.study.session.events import (
     Allocated,
@@ -338,39 +338,13 @@ def _advanced(
     return session
 
 
-def digest_of(session: Session) -> Digest:
-    """What of ``session`` is asked of all sessions at once."""
-    return Digest(session.condition, session.choice, session.device, session.end)
-
-
-def standing_of(study: Study, row: Row, now: float) -> Standing:
-    """What has become of a session, at the time ``now``."""
-    end = row.digest.end
-    if end == "finished":
-        return "completed"
-    stale = now - row.seen > study.allocation.stale_minutes * 60
-    return "lost" if end or stale else "active"
-
-
 def _allocate(study: Study, store: Store, connection: Connection, entry: _Entry) -> None:
     """Allocate the session of ``entry``, within a transaction in which nobody else does."""
-    now = time.time()
-    before = [
-        Allotted(
-            row.digest.condition or "", standing_of(study, row, now), covariates_of(row.digest)
-        )
-        for row in store.allocated(connection)
-    ]
-    condition = allocate(study, before, covariates_of(entry.digest))
+    condition = allocate_session(study, store, connection, entry.session)
     if condition is None:
         return
     event = Allocated(condition=condition)
-    session = advance(study, entry.session, event)
-    addition = Addition(entry.row.id, entry.sequence + 1, now, [event], digest_of(session))
+    digest = digest_of(advance(study, entry.session, event))
+    addition = Addition(entry.row.id, entry.sequence + 1, time.time(), [event], digest)
     store.append(connection, [addition])
     set_place(connection, entry.row.id)
-
-
-def covariates_of(digest: Digest) -> dict[str, str]:
-    """What a session is balanced by, see `coadapt.study.protocol.Allocation`."""
-    return {"choice": f"{digest.choice}", "device": f"{digest.device}"}

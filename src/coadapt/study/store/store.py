@@ -5,10 +5,10 @@ from __future__ import annotations
 import time
 from collections.abc import Collection, Iterator, Sequence
 from pathlib import Path
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import msgspec
-from sqlalchemy import Connection, func, insert, inspect, select, update
+from sqlalchemy import Connection, Select, case, func, insert, inspect, select, update
 
 from coadapt.errors import InputError
 from coadapt.study.session import Event, decode_event, encode_event
@@ -230,10 +230,25 @@ class Store:
         done = connection.execute(insert(SESSIONS).values(new).returning(SESSIONS.c.id))
         self.append(connection, [Addition(done.scalar_one(), 1, now, [event])])
 
-    def allocated(self, connection: Connection) -> list[Row]:
-        """All sessions that have a condition, in the order of allocation."""
-        query = _ROWS.where(SESSIONS.c.place.is_not(None)).order_by(SESSIONS.c.place)
-        return [_row(row) for row in connection.execute(query)]
+    def allotted(self, connection: Connection, stale: float) -> list[tuple[Digest, bool, int]]:
+        """All sessions that have a condition, counted by what is asked of them.
+
+        Args:
+            connection: of the transaction.
+            stale: time before which a last event is too old.
+
+        Returns:
+            For each kind of session: what its events say; whether it is stale, that is neither
+            ended nor alive; how many there are.
+        """
+        is_old = case((SESSIONS.c.end.is_not(None), 0), (stale > _SEEN, 1), else_=0).label("is_old")
+        kinds = select(
+            SESSIONS.c.condition, SESSIONS.c.choice, SESSIONS.c.device, SESSIONS.c.end, is_old
+        ).where(SESSIONS.c.place.is_not(None))
+        of_one = kinds.subquery().c
+        query: Select[Any] = select(*of_one, func.count()).group_by(*of_one)
+        found = connection.execute(query)
+        return [(Digest(*row[:4]), bool(row[4]), row[5]) for row in found]
 
     def delete(self, connection: Connection, session: int) -> None:
         """Delete the session with this ``id`` and all its events; that it was done is kept."""
@@ -290,6 +305,9 @@ def set_setting(connection: Connection, name: str, value: str) -> None:
 def shown(error: DatabaseError) -> str:
     """``error`` without statement, parameters or password."""
     cause: object = getattr(error, "orig", None) or error
+    details: object = cause.args[0] if isinstance(cause, Exception) and cause.args else None
+    if isinstance(details, dict):  # of PostgreSQL; other parts of it repeat values
+        cause = details.get("M", "")  # pyright: ignore
     return " ".join(f"{cause}".split())[:200]
 
 
@@ -298,6 +316,15 @@ def _decode_times(setting: str | None) -> tuple[float, ...]:
 
 
 _LAST = EVENTS.alias()
+
+_SEEN = (
+    select(_LAST.c.time)
+    .where(_LAST.c.session == SESSIONS.c.id)
+    .order_by(_LAST.c.sequence.desc())
+    .limit(1)
+    .scalar_subquery()
+)
+"""Time of the last event of a session."""
 
 _ROWS = select(
     SESSIONS.c.id,
@@ -309,11 +336,7 @@ _ROWS = select(
     SESSIONS.c.choice,
     SESSIONS.c.device,
     SESSIONS.c.end,
-    select(_LAST.c.time)
-    .where(_LAST.c.session == SESSIONS.c.id)
-    .order_by(_LAST.c.sequence.desc())
-    .limit(1)
-    .scalar_subquery(),
+    _SEEN,
 )
 
 
