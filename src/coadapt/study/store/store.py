@@ -248,7 +248,7 @@ class Store:
         of_one = kinds.subquery().c
         query: Select[Any] = select(*of_one, func.count()).group_by(*of_one)
         found = connection.execute(query)
-        return [(Digest(*row[:4]), bool(row[4]), row[5]) for row in found]
+        return [(Digest(*row[:4]), bool(row[4]), row[5]) for row in found]  # pyright: ignore
 
     def delete(self, connection: Connection, session: int) -> None:
         """Delete the session with this ``id`` and all its events; that it was done is kept."""
