@@ -7,6 +7,7 @@ import { gamepads, layoutOf, watchGamepads, watchKeyboard, watchSwitch } from ".
 import { angle, length } from "./directions";
 import { WAYS, type Way } from "./gamepads";
 import { Held } from "./held";
+import { howToTry } from "./how";
 import type { Device, Steering } from "./messages";
 import { bindSettings, loadSettings, saveSettings } from "./settings";
 import { element } from "./shapes";
@@ -17,15 +18,6 @@ const BETWEEN = 120;
 
 /** A window narrower than this, in CSS pixels, is small. */
 const NARROW = 320;
-
-const HOW: Readonly<Record<Device, string>> = {
-  keyboard: "Press each arrow key once. W, A, S and D do the same. The box below must have the focus.",
-  gamepad: "Press any button of your gamepad, then push it once in each direction.",
-  touch: "Press each arrow once.",
-  switch:
-    "The directions light up in turn. Press the space bar, or click in the box, when one is lit. " +
-    "Do so once for each. The box below must have the focus.",
-};
 
 const INSECURE =
   "This page has not come over a secure connection (https), and browsers hide gamepads from such " +
@@ -91,7 +83,7 @@ class Preflight {
     if (focus) this.#box.tabIndex = 0;
     else this.#box.removeAttribute("tabindex");
     find("trying").hidden = false;
-    find("trying-how").textContent = HOW[device];
+    find("trying-how").textContent = howToTry(device, this.#inputs);
     const warning = find("trying-warning");
     warning.hidden = device !== "gamepad" || window.isSecureContext;
     warning.textContent = INSECURE;

@@ -5,6 +5,7 @@ import { Buttons } from "./buttons";
 import { Connection } from "./connection";
 import { watchGamepads, watchKeyboard, watchSwitch } from "./devices";
 import { Held, type Holding } from "./held";
+import { howToSteer } from "./how";
 import { Latch } from "./latch";
 import { now, type Device, type FromServer, type Scene } from "./messages";
 import { bindSettings, loadSettings } from "./settings";
@@ -14,13 +15,6 @@ const BEGIN = "Push in any direction to begin";
 
 /** After so many failed attempts to connect the page offers to be loaded again. */
 const MANY_TRIES = 6;
-
-const HOW: Readonly<Record<Device, string>> = {
-  keyboard: "Hold an arrow key to move the hand, or W, A, S and D.",
-  gamepad: "Hold the stick or the cross to move the hand.",
-  touch: "Press and hold an arrow to move the hand.",
-  switch: "The directions light up in turn. Press your switch when the one you want is lit.",
-};
 
 type Timed = Holding & { pageTime: number };
 
@@ -105,7 +99,7 @@ class Steering {
       (input) => this.#held.set("keyboard", input),
     );
     this.#buttons = buttons;
-    this.#controls.append(buttons.element, element("p", {}, HOW[this.#device]));
+    this.#controls.append(buttons.element, element("p", {}, howToSteer(this.#device, scene.inputs)));
     bindSettings(this.#settings, this.#device, wait);
     if (this.#device === "switch") {
       buttons.inert = true;

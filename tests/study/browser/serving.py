@@ -5,19 +5,29 @@ from __future__ import annotations
 import asyncio
 import threading
 from pathlib import Path
+from urllib.parse import urlencode
+from urllib.request import urlopen
 
 import uvicorn
 
 from coadapt.study.protocol import Study
 from coadapt.study.protocol.reader import FILE, template
 from coadapt.study.server.run import Address, bind, load_service, make_app
-from coadapt.study.server.security import new_admin_token
+from coadapt.study.server.security import csrf_of, new_admin_token
 from coadapt.study.session import Event, Session, replayed
 from coadapt.study.store import Store
 
 PATIENCE = 120.0
 """Seconds in which a server has to start, with all that is compiled then, or to stop."""
 
+
+BEFORE_PRACTICE = (
+    ("welcome", {}),
+    ("preflight", {"device": "keyboard", "width": "1280", "height": "800", "latency": "0.01"}),
+    ("consent", {"consent": "yes"}),
+    ("instructions", {}),
+)
+"""The forms that lead to the first training session."""
 
 CONDITION = """[[conditions]]
 name = "alone"
@@ -93,6 +103,26 @@ class Serving:
             row = store.find(key=key)
             assert row is not None
             return [kept.event for kept in store.events(row.id)]
+        finally:
+            store.close()
+
+    def to_practice(self) -> str:
+        """The page of somebody with a keyboard who stands before the first training session."""
+        with urlopen(f"{self.address}/") as answer:
+            page: str = answer.url
+        for stage, fields in BEFORE_PRACTICE:
+            form = {"stage": f"{stage} 1", "csrf": csrf_of(page.rpartition("/")[2]), **fields}
+            with urlopen(page, urlencode(form).encode()) as answer:
+                assert answer.status == 200
+        return page
+
+    def number(self, key: str) -> int:
+        """The number of a session, which the researcher sees."""
+        store = Store(Store.url_in(self.directory))
+        try:
+            row = store.find(key=key)
+            assert row is not None
+            return row.id
         finally:
             store.close()
 

@@ -38,8 +38,9 @@ def test_no_page_has_a_serious_violation(serving: Serving, visitor: Visitor) -> 
     go_on(page)
     for number in (1, 2):
         at_stage(page, f"practice {number}")
-        page.wait_for_selector("text=Push in any direction")
-        inspector.look(f"practice {number}")
+        if number == 1:
+            page.wait_for_selector("text=Push in any direction")
+            inspector.look(f"practice {number}")
         steer_left(page, hold, let_go)
         page.get_by_role("button", name="Continue").click()
     inspector.stage("choice 1")
@@ -53,7 +54,8 @@ def test_no_page_has_a_serious_violation(serving: Serving, visitor: Visitor) -> 
     for number in (1, 2, 3):
         at_stage(page, f"trial {number}")
         steer_ahead(page, hold, let_go)
-        inspector.look(f"trial {number}, over")
+        if number == 1:
+            inspector.look(f"trial {number}, over")
         page.get_by_role("button", name="Continue").click()
     for number, scale in enumerate(serving.study.scales, start=1):
         inspector.stage(f"scale {number}")
@@ -69,7 +71,7 @@ def test_no_page_has_a_serious_violation(serving: Serving, visitor: Visitor) -> 
     page.goto(f"{serving.address}/nothing")
     inspector.look("an error")
     assert inspector.problems == []
-    assert inspector.looks == 24
+    assert inspector.looks == 21
 
 
 def test_the_checker_finds_what_is_wrong(serving: Serving, visitor: Visitor) -> None:

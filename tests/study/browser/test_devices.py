@@ -16,7 +16,6 @@ from tests.study.browser.person import (
     steer_ahead,
     steer_left,
     tab_to,
-    try_keys,
 )
 from tests.study.browser.serving import Serving
 
@@ -189,14 +188,7 @@ def test_a_finger_on_a_phone(serving: Serving, visitor: Visitor) -> None:
 @pytest.mark.parametrize("motion", ["reduce", "no-preference"])
 def test_motion(waiting: Serving, visitor: Visitor, motion: str) -> None:
     page = visitor(reduced_motion=motion)
-    page.goto(waiting.address)
-    go_on(page)
-    at_stage(page, "preflight 1")
-    try_keys(page)
-    go_on(page)
-    go_on(page, "I agree to take part")
-    go_on(page)
-    at_stage(page, "practice 1")
+    page.goto(waiting.to_practice())
     page.wait_for_selector("text=Push in any direction")
     page.evaluate(
         """() => {

@@ -27,8 +27,10 @@ def onward(page: Page) -> None:
     page.keyboard.press("Enter")
 
 
-def to_practice(page: Page, serving: Serving, query: str = "") -> None:
-    page.goto(f"{serving.address}/{query}")
+def test_from_the_link_to_the_debrief(serving: Serving, visitor: Visitor) -> None:
+    page = visitor()
+    hold, let_go = by_keyboard(page)
+    page.goto(f"{serving.address}/?PROLIFIC_PID=keys&STUDY_ID=s&SESSION_ID=t&other=1")
     at_stage(page, "welcome 1")
     go_on(page)
     at_stage(page, "preflight 1")
@@ -39,13 +41,6 @@ def to_practice(page: Page, serving: Serving, query: str = "") -> None:
     go_on(page, "I agree to take part")
     at_stage(page, "instructions 1")
     go_on(page)
-    at_stage(page, "practice 1")
-
-
-def test_from_the_link_to_the_debrief(serving: Serving, visitor: Visitor) -> None:
-    page = visitor()
-    hold, let_go = by_keyboard(page)
-    to_practice(page, serving, "?PROLIFIC_PID=keys&STUDY_ID=s&SESSION_ID=t&other=1")
     for number in (1, 2):
         at_stage(page, f"practice {number}")
         steer_left(page, hold, let_go)
@@ -125,7 +120,7 @@ def test_a_page_that_is_loaded_again_begins_its_trial_again(
 ) -> None:
     page = visitor()
     hold, let_go = by_keyboard(page)
-    to_practice(page, serving)
+    page.goto(serving.to_practice())
     page.wait_for_selector("text=Push in any direction")
     hold("left")
     page.wait_for_selector(".banner", state="hidden")
@@ -144,7 +139,7 @@ def test_a_page_that_is_loaded_again_begins_its_trial_again(
 def test_a_server_that_comes_back_is_found_again(serving: Serving, visitor: Visitor) -> None:
     page = visitor()
     hold, let_go = by_keyboard(page)
-    to_practice(page, serving)
+    page.goto(serving.to_practice())
     page.wait_for_selector("text=Push in any direction")
     hold("forward")
     page.wait_for_selector(".banner", state="hidden")
@@ -165,7 +160,7 @@ def test_a_server_that_comes_back_is_found_again(serving: Serving, visitor: Visi
 
 def test_a_tap_between_two_decisions_counts(serving: Serving, visitor: Visitor) -> None:
     page = visitor()
-    to_practice(page, serving)
+    page.goto(serving.to_practice())
     page.wait_for_selector("text=Push in any direction")
     for key in ("ArrowLeft", "ArrowUp"):
         page.keyboard.press(key, delay=1)
@@ -179,7 +174,7 @@ def test_a_tap_between_two_decisions_counts(serving: Serving, visitor: Visitor) 
 
 def test_withdrawing_and_declining(serving: Serving, visitor: Visitor) -> None:
     page = visitor()
-    to_practice(page, serving)
+    page.goto(serving.to_practice())
     page.wait_for_selector("text=Push in any direction")
     tab_to(page, page.locator(".withdraw summary"))
     page.keyboard.press("Enter")

@@ -15,26 +15,16 @@ from tests.study.browser.person import (
     go_on,
     key_of,
     picture,
-    try_keys,
 )
 from tests.study.browser.serving import Serving
 
 
 def test_the_replay(waiting: Serving, visitor: Visitor) -> None:
     participant = visitor()
-    participant.goto(waiting.address)
-    go_on(participant)
-    at_stage(participant, "preflight 1")
-    try_keys(participant)
-    go_on(participant)
-    at_stage(participant, "consent 1")
-    go_on(participant, "I agree to take part")
-    at_stage(participant, "instructions 1")
-    go_on(participant)
-    at_stage(participant, "practice 1")
+    participant.goto(waiting.to_practice())
+    participant.wait_for_selector("text=Push in any direction")
     for key in ("ArrowLeft", "ArrowLeft", "ArrowLeft", "ArrowUp", "ArrowUp", "ArrowUp"):
         if participant.locator(".over").count() == 0:
-            participant.wait_for_selector(".stage svg")
             participant.keyboard.press(key)
     participant.wait_for_selector(".over button:focus")
     participant.keyboard.press("Enter")
@@ -62,7 +52,7 @@ def test_the_replay(waiting: Serving, visitor: Visitor) -> None:
     page.wait_for_selector("h1")
     inspector.look("dashboard")
     picture(page, "dashboard")
-    page.locator('a[href^="/admin/sessions/"]').last.click()
+    page.goto(f"{waiting.address}/admin/sessions/{waiting.number(key_of(participant))}")
     page.get_by_role("heading", name="Session").wait_for()
     inspector.look("a session")
     picture(page, "session")
