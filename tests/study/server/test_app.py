@@ -228,6 +228,22 @@ def test_errors_tell_nothing(
         assert all(key not in caplog.text for key in (key_of(path), csrf_of(key_of(path))))
 
 
+def test_a_database_that_is_away_gives_a_page(url: str, tmp_path: Path) -> None:
+    with client_of(url) as (client, service):
+        path = enter(client)
+        service.store.close()
+        for file in tmp_path.glob("study.db*"):
+            file.rename(tmp_path / f"away-{file.name}")
+        (tmp_path / "study.db").mkdir()  # which nobody can open as a file
+        for answer in (client.get(path), client.get("/"), client.get("/health")):
+            assert answer.status_code == 503
+            assert answer.headers["retry-after"]
+        (tmp_path / "study.db").rmdir()
+        for file in tmp_path.glob("away-*"):
+            file.rename(tmp_path / file.name.removeprefix("away-"))
+        assert client.get(path).status_code == 200
+
+
 def test_a_bug_gives_a_page(url: str, monkeypatch: pytest.MonkeyPatch) -> None:
     async def broken(*_: object) -> None:
         raise ZeroDivisionError("secret detail")

@@ -15,6 +15,7 @@ from pathlib import Path
 
 import httpx2
 import pytest
+from websockets.exceptions import ConnectionClosed
 from websockets.sync.client import connect
 
 from coadapt.cli import main
@@ -135,7 +136,7 @@ def test_tls(directory: Path, capsys: pytest.CaptureFixture[str]) -> None:
     )
     trusting = ssl.create_default_context(cafile=f"{certificate}")
     options = ("--certificate", f"{certificate}", "--key", f"{key}")
-    with served(directory, *options) as (address, _, _):
+    with served(directory, *options) as (address, _, process):
         assert address.startswith("https://127.0.0.1:")
         answer = httpx2.get(address, verify=trusting)
         assert "Secure" in answer.headers["set-cookie"]
@@ -143,6 +144,12 @@ def test_tls(directory: Path, capsys: pytest.CaptureFixture[str]) -> None:
         with connect(link, ssl=trusting) as websocket:
             websocket.send('{"type":"ping","page_time":1}')
             assert '"pong"' in f"{websocket.recv()}"
+            process.send_signal(signal.SIGTERM)  # an open connection does not hold up the end
+            with pytest.raises(ConnectionClosed) as closed:
+                websocket.recv(timeout=20)
+            # RFC 6455's registry: 1012, the service is restarted
+            assert closed.value.rcvd is not None and closed.value.rcvd.code == 1012
+        process.wait(20)
     (directory / "key.pem").write_text("no key")
     assert "certificate and key cannot be used" in refused(capsys, directory, *options)
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import asyncio
 import logging
 from collections.abc import AsyncGenerator, Mapping, Sequence
 from contextlib import asynccontextmanager, suppress
@@ -142,7 +143,7 @@ class Site:
 
     async def health(self, _: Request) -> Response:
         """Whether the server and its database work."""
-        await self.service.status()
+        await asyncio.to_thread(self.service.store.setting, "format")
         return PlainTextResponse("ok")
 
     async def problem(self, _: Request, error: Exception) -> Response:

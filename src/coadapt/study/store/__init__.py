@@ -1,8 +1,8 @@
 """Where the events of all sessions are kept."""
 
-from coadapt.study.store.database import Conflict, Durability
+from coadapt.study.store.database import Conflict, Durability, StoreError
 from coadapt.study.store.store import Addition, Digest, Kept, Row, Store
-from coadapt.study.store.writer import Overloaded, StoreError, Taken, Writer
+from coadapt.study.store.writer import Overloaded, Taken, Writer
 
 __all__ = [
     "Addition",

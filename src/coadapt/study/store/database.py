@@ -33,8 +33,9 @@ CHECKPOINT_PAGES = 4000
 PATIENCE = 30
 """Seconds to wait for another process that writes to the same SQLite file."""
 
-DatabaseError = SQLAlchemyError
-"""What goes wrong in a database."""
+
+class StoreError(Exception):
+    """The database does not work; nothing is stored. The message is for logs, not for pages."""
 
 
 class Conflict(Exception):
@@ -86,8 +87,12 @@ class Database:
 
     @contextmanager
     def reading(self) -> Generator[Connection]:
-        """A connection that sees one state of the database and changes nothing."""
-        with self.engine.connect() as connection:
+        """A connection that sees one state of the database and changes nothing.
+
+        Raises:
+            StoreError: if it cannot be read.
+        """
+        with _translated(), self.engine.connect() as connection:
             yield connection
 
     @contextmanager
@@ -96,14 +101,10 @@ class Database:
 
         Raises:
             Conflict: if what was written does not go with what is there.
+            StoreError: if it cannot be written.
         """
-        try:
-            with self._writing.begin() as connection:
-                yield connection
-        except DBAPIError as error:
-            if is_conflict(error):
-                raise Conflict from error
-            raise
+        with _translated(), self._writing.begin() as connection:
+            yield connection
 
     def lock_allocation(self, connection: Connection) -> None:
         """Wait until no other process allocates; to the end of the transaction of ``connection``.
@@ -173,6 +174,28 @@ def _prepare_sqlite(engine: Engine, durability: Durability) -> None:
         connection.exec_driver_sql("BEGIN IMMEDIATE" if writes else "BEGIN")
 
     del connected, begun
+
+
+@contextmanager
+def _translated() -> Generator[None]:
+    """Errors of drivers become ours."""
+    try:
+        yield
+    except DBAPIError as error:
+        if is_conflict(error):
+            raise Conflict from error
+        raise StoreError(shown(error)) from error
+    except (SQLAlchemyError, OSError) as error:
+        raise StoreError(shown(error)) from error
+
+
+def shown(error: Exception) -> str:
+    """``error`` without statement, parameters or password."""
+    cause: object = getattr(error, "orig", None) or error
+    details: object = cause.args[0] if isinstance(cause, Exception) and cause.args else None
+    if isinstance(details, dict):  # of PostgreSQL; other parts of it repeat values
+        cause = details.get("M", "")  # pyright: ignore
+    return " ".join(f"{cause}".split())[:200]
 
 
 def is_conflict(error: DBAPIError) -> bool:

@@ -13,7 +13,7 @@ from sqlalchemy import Connection, Select, case, func, insert, inspect, select, 
 from coadapt.errors import InputError
 from coadapt.study.session import Event, decode_event, encode_event
 from coadapt.study.session.events import Noted
-from coadapt.study.store.database import Database, DatabaseError, Durability
+from coadapt.study.store.database import Database, Durability, StoreError
 from coadapt.study.store.schema import EVENTS, FORMAT, METADATA, SESSIONS, SETTINGS
 
 FILE = "study.db"
@@ -106,9 +106,9 @@ class Store:
         self.database = Database(url, durability)
         try:
             self._make()
-        except DatabaseError as error:
+        except StoreError as error:
             self.close()
-            raise InputError(f"the database cannot be used: {shown(error)}") from error
+            raise InputError(f"the database cannot be used: {error}") from error
 
     @staticmethod
     def url_in(directory: Path) -> str:
@@ -300,15 +300,6 @@ def set_setting(connection: Connection, name: str, value: str) -> None:
     this = SETTINGS.c.name == name
     if connection.execute(update(SETTINGS).where(this).values(value=value)).rowcount == 0:
         connection.execute(insert(SETTINGS).values(name=name, value=value))
-
-
-def shown(error: DatabaseError) -> str:
-    """``error`` without statement, parameters or password."""
-    cause: object = getattr(error, "orig", None) or error
-    details: object = cause.args[0] if isinstance(cause, Exception) and cause.args else None
-    if isinstance(details, dict):  # of PostgreSQL; other parts of it repeat values
-        cause = details.get("M", "")  # pyright: ignore
-    return " ".join(f"{cause}".split())[:200]
 
 
 def _decode_times(setting: str | None) -> tuple[float, ...]:

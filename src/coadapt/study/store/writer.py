@@ -11,8 +11,8 @@ from typing import TypeVar
 
 from sqlalchemy import Connection
 
-from coadapt.study.store.database import Conflict, DatabaseError
-from coadapt.study.store.store import Addition, Store, shown
+from coadapt.study.store.database import Conflict, StoreError
+from coadapt.study.store.store import Addition, Store
 
 T = TypeVar("T")
 
@@ -22,10 +22,6 @@ DELAY = 0.003
 LARGEST_GROUP = 500
 
 MOST_WAITING = 20_000
-
-
-class StoreError(Exception):
-    """Something could not be stored; nothing of it is. The message is for logs."""
 
 
 class Overloaded(StoreError):
@@ -156,9 +152,6 @@ class Writer:
                 group[0].error = Taken()
             else:
                 group[0].error = error
-        except DatabaseError as error:
-            for job in group:
-                job.error = StoreError(shown(error))
         except Exception as error:
             for job in group:
                 job.error = error
