@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from itertools import groupby
+
 from playwright.sync_api import Page
 
 from coadapt.study.session.events import Answered, Began, Checked, Opened, Pressed, Stepped
@@ -131,6 +133,7 @@ def test_a_page_that_is_loaded_again_begins_its_trial_again(
     steer_left(page, hold, let_go)
     onward(page)
     at_stage(page, "practice 2")
+    page.wait_for_selector("text=Push in any direction")
     events = serving.events(key_of(page))
     began = [event for event in events if isinstance(event, Began)]
     assert [(event.stage.number, event.attempt) for event in began] == [(1, 1), (1, 2), (2, 1)]
@@ -153,6 +156,7 @@ def test_a_server_that_comes_back_is_found_again(serving: Serving, visitor: Visi
     steer_left(page, hold, let_go)
     onward(page)
     at_stage(page, "practice 2")
+    page.wait_for_selector("text=Push in any direction")
     events = serving.events(key_of(page))
     assert len(events) > before
     assert [event.attempt for event in events if isinstance(event, Began)] == [1, 2, 1]
@@ -169,7 +173,8 @@ def test_a_tap_between_two_decisions_counts(serving: Serving, visitor: Visitor) 
     page.wait_for_timeout(400)
     events = serving.events(key_of(page))
     given = [event.input for event in events if isinstance(event, Stepped)]
-    assert [i for i in given if i is not None] == [0, 1]
+    # On a busy machine the message that a key was let go of may miss a strike of the clock.
+    assert [i for i, _ in groupby(given) if i is not None] == [0, 1]
 
 
 def test_withdrawing_and_declining(serving: Serving, visitor: Visitor) -> None:
