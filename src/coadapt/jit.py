@@ -30,7 +30,7 @@ FOLDERS: dict[str, tuple[str, ...]] = {
 
 @cache
 def stamp(folder: str) -> str:
-    """Stands for the source of all kernels that those of ``folder`` may call, and the compiler's."""
+    """Stands for the source of the kernels in ``folder``, of those they may call, and of this."""
     digest = sha256(Path(__file__).read_bytes())  # how they are compiled
     for part in (folder, *FOLDERS[folder]):
         for source in sorted((ROOT / part).glob("*.py")):

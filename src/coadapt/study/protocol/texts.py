@@ -12,7 +12,8 @@ class Texts(Part, frozen=True, kw_only=True):
 
     Attributes:
         welcome: the first page.
-        consent: what participants agree to before anything is recorded of them but their arrival.
+        consent: what participants agree to before anything is recorded of them but their arrival
+            and the check of their device.
         instructions: the task.
         practice: above a training session.
         choice: the question which goal the robot should go for first.
