@@ -6,6 +6,7 @@ from collections.abc import Iterator
 from typing import Literal
 
 from coadapt.errors import excerpt
+from coadapt.hypotheses import Hypothesis
 from coadapt.requirements import FieldError, require, require_reward
 from coadapt.study.protocol.allocation import Allocation
 from coadapt.study.protocol.clock import Clock
@@ -60,6 +61,7 @@ class Study(Part, frozen=True, kw_only=True):
         scales: what they rate, a page each.
         questions: what else they are asked, on one page.
         recruitment: where they come from and go back to.
+        hypotheses: what is expected and how it is tested, declared before data exist.
 
     Raises:
         FieldError: if a value cannot be used, or the parts do not fit together.
@@ -80,6 +82,7 @@ class Study(Part, frozen=True, kw_only=True):
     scales: tuple[Scale, ...] = ()
     questions: tuple[Question, ...] = ()
     recruitment: Recruitment = Recruitment()
+    hypotheses: tuple[Hypothesis, ...] = ()
 
     def __post_init__(self) -> None:
         if self.format > FORMAT:
@@ -101,6 +104,10 @@ class Study(Part, frozen=True, kw_only=True):
             new = question.name not in items
             require(("questions", i, "name"), new, "new", excerpt(question.name))
             items.add(question.name)
+        self._require_different("hypotheses", (h.name for h in self.hypotheses))
+        conditions, scales = {c.name for c in self.conditions}, {s.name for s in self.scales}
+        for i, hypothesis in enumerate(self.hypotheses):
+            hypothesis.require_known(("hypotheses", i), conditions, scales)
 
     def condition(self, name: str) -> Condition:
         """The condition called ``name``; KeyError if there is none."""
