@@ -14,6 +14,7 @@ from coadapt.cli.lazy import LazyGroup
 from coadapt.errors import InputError, printable
 
 COMMANDS = {
+    "analyse": "Analyse the data of a study: statistics, figures, report.",
     "evaluate": "Evaluate a policy by simulation and exactly.",
     "fit": "Adaptability of people and populations, from logs.",
     "partners": "List the kinds of simulated people.",
