@@ -19,9 +19,7 @@ from coadapt.errors import FileError, excerpt
 
 COLUMNS = ("condition", "optimal_trials", "participants")
 
-RECONSTRUCTED = frozenset(
-    {("no_adaptation", 19), ("mutual_adaptation", 16), ("one_way_adaptation", 17)}
-)
+RECONSTRUCTED = {"no_adaptation": 19, "mutual_adaptation": 16, "one_way_adaptation": 17}
 """The sizes of the groups in the counts that were reconstructed from the paper's statistics."""
 
 NOTE = (
@@ -70,7 +68,7 @@ def from_counts(table: Table, declared: Declaration, sha256: str) -> StudyData:
         [n for n in names if n in sizes] or dict.fromkeys(p.condition for p in people)
     )
     notes = ["The data are counts: which trial of a participant was which is not known."]
-    if set(sizes.items()) == RECONSTRUCTED:
+    if sizes == RECONSTRUCTED:
         notes.append(NOTE)
     analysed = {name: sizes[name] for name in conditions}
     return StudyData(

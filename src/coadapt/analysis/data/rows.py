@@ -69,8 +69,7 @@ def read_table(path: str | os.PathLike[str]) -> Table:
     try:
         with Path(path).open(encoding="utf-8-sig", newline="") as file:
             reader = csv.reader(file, strict=True)
-            first: list[str] = next(reader, [])
-            header = [name.strip() for name in first]
+            header = [name.strip() for name in next(reader, list[str]())]
             if not any(header):
                 raise FileError(path, 1, "found nothing, expected a CSV file with a header")
             twice = [name for i, name in enumerate(header) if name and name in header[:i]]

@@ -4,6 +4,7 @@ scipy and statsmodels do the arithmetic. Samples about which a test says nothing
 no number of a result is ever NaN.
 """
 
+from coadapt.analysis.tests import apa
 from coadapt.analysis.tests.corrections import Correction, adjusted, correct
 from coadapt.analysis.tests.equivalence import equivalence
 from coadapt.analysis.tests.ordinal import cumulative_logit
@@ -24,6 +25,7 @@ __all__ = [
     "NotTested",
     "TestResult",
     "adjusted",
+    "apa",
     "correct",
     "cumulative_logit",
     "difference",

@@ -9,6 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
+from functools import cache
 from itertools import combinations
 
 import numpy as np
@@ -91,15 +92,13 @@ def _compared(
     k = len(samples.names)
     pairs = list(combinations(range(k), 2))
     results: list[TestResult] = []
-    points: dict[float, float] = {}
     for i, j in pairs:
         apart = float(np.mean(samples.arrays[i]) - np.mean(samples.arrays[j]))
         error, df = _error(samples, i, j, equal=equal)
         q = abs(apart) / error
         p = float(stats.studentized_range.sf(q, k, df))
-        if df not in points:  # equal for all pairs of Tukey's test; finding it takes a while
-            points[df] = float(stats.studentized_range.isf(1 - LEVEL, k, df))
-        low, high = apart - points[df] * error, apart + points[df] * error
+        reach = _point(k, df) * error
+        low, high = apart - reach, apart + reach
         difference = Effect(
             name="difference of means", value=apart, low=low, high=high, method=f"{test}, all pairs"
         )
@@ -133,6 +132,12 @@ def _compared(
             )
         )
     return tuple(results)
+
+
+@cache
+def _point(k: int, df: float) -> float:
+    """What the studentised range exceeds with probability 5 %; finding it takes a while."""
+    return float(stats.studentized_range.isf(1 - LEVEL, k, df))
 
 
 def _error(samples: Samples, i: int, j: int, *, equal: bool) -> tuple[float, float]:

@@ -161,7 +161,7 @@ def _freeman_halton(table: IntArray) -> float:
     chances = stats.multivariate_hypergeom.pmf(tables, totals, did)
     own = stats.multivariate_hypergeom.pmf(table[:, 0], totals, did)
     # As R does: chances that differ by rounding alone are equal.
-    return min(1.0, float(chances[chances <= own * (1 + 1e-7)].sum()))
+    return min(1.0, float(np.sum(chances, where=chances <= own * (1 + 1e-7))))
 
 
 def _wilson(did: int, total: int, level: float) -> tuple[float, float]:

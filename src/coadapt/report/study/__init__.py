@@ -1,0 +1,1 @@
+"""The report of a study's analysis: page, figures, tables for a paper."""
