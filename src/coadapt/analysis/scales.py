@@ -15,6 +15,7 @@ from collections.abc import Sequence
 
 import msgspec
 import numpy as np
+from scipy import stats
 
 from coadapt.analysis.tests.result import LEVEL, Effect
 from coadapt.analysis.tests.samples import CannotTest
@@ -136,8 +137,6 @@ def cronbach(ratings: FloatArray, level: float = LEVEL) -> Effect:
             are
             all the same.
     """
-    from scipy import stats
-
     n, k = ratings.shape
     if k < 2:
         raise CannotTest("one item alone goes together with nothing")
@@ -163,8 +162,6 @@ def spearman_brown(ratings: FloatArray, level: float = LEVEL) -> Effect:
         CannotTest: if there are fewer than 4 participants, an item does not vary, or the two always
             differ by the same.
     """
-    from scipy import stats
-
     n = len(ratings)
     if n < 4:
         raise CannotTest(f"needs 4 participants who answered both items, found {n}")

@@ -6,8 +6,10 @@ The counts (optimal-goal trials of three, by participant) are those of the only 
 
 from __future__ import annotations
 
+import numpy as np
 import pytest
 
+from coadapt.analysis.hypotheses import h1_tests
 from coadapt.analysis.tests import TestResult, correct, kruskal_wallis, mann_whitney, proportions
 
 NO = [3.0] * 19
@@ -51,3 +53,18 @@ def test_at_the_optimal_goal_at_least_once() -> None:
     }
     assert counts == {"mutual": (12, 16), "one-way": (2, 17)}
     assert "12 of 16 in mutual, 2 of 17 in one-way" in proportions(counts).sentence
+
+
+def test_the_same_as_for_many_experiments_at_once() -> None:
+    groups = [np.array([given]) for given in (NO, MUTUAL, ONE_WAY)]
+    fast = h1_tests(*groups)
+    overall = kruskal_wallis({"no": NO, "mutual": MUTUAL, "one-way": ONE_WAY})
+    assert (fast.chi2[0], fast.p[0]) == pytest.approx((overall.statistic, overall.p))
+    two = [
+        mann_whitney({"no": NO, "mutual": MUTUAL}),
+        mann_whitney({"mutual": MUTUAL, "one-way": ONE_WAY}),
+    ]
+    first, second = correct(two, "bonferroni")
+    assert isinstance(first, TestResult) and isinstance(second, TestResult)
+    assert (fast.u_upper[0], fast.p_upper[0]) == pytest.approx((first.statistic, first.adjusted))
+    assert (fast.u_lower[0], fast.p_lower[0]) == pytest.approx((second.statistic, second.adjusted))

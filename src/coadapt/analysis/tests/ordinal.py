@@ -99,7 +99,8 @@ def cumulative_logit(values: Mapping[str, Sequence[float]]) -> TestResult:
 def _fit(ranks: np.ndarray, design: np.ndarray) -> tuple[np.ndarray, np.ndarray, float]:
     """Slopes, their standard errors, and the log likelihood."""
     try:
-        from statsmodels.miscmodels.ordinal_model import OrderedModel
+        # Imported now: it takes a second, and who has no statsmodels can do all else.
+        from statsmodels.miscmodels.ordinal_model import OrderedModel  # noqa: PLC0415
     except ImportError:
         raise CannotTest("statsmodels is not installed: pip install 'coadapt[study]'") from None
     with warnings.catch_warnings():
