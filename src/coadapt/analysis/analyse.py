@@ -134,22 +134,21 @@ def plan_of(data: StudyData) -> Plan:
         status = "declared"
         text = (
             "The analysis is the declared one: hypotheses and tests come from the study’s "
-            "protocol, "
-            "and its SHA-256 is the one stored with the data."
+            "protocol, and its SHA-256 is the one stored with the data."
         )
     elif hypotheses:
         status = "changed"
         text = (
             f"The analysis is not the declared one: the SHA-256 of {data.declared_in} is another "
-            "than "
-            "that of the protocol stored with the data."
+            "than that of the protocol stored with the data."
         )
     elif set(PAPER_CONDITIONS) <= set(data.conditions):
-        status, hypotheses = "published", published(*PAPER_CONDITIONS)
+        status = "published"
+        hypotheses = tuple(h for h in published(*PAPER_CONDITIONS) if _has_data(data, h))
+        names = " and ".join(h.name for h in hypotheses)
         text = (
-            "No hypotheses were declared with these data. Tested are H1 and H2 of Nikolaidis et "
-            "al. "
-            "(2017) with the paper’s tests."
+            f"No hypotheses were declared with these data. Tested: {names} of Nikolaidis et al. "
+            "(2017), as in the paper."
         )
     else:
         status = "none"
@@ -160,14 +159,12 @@ def plan_of(data: StudyData) -> Plan:
         file=data.declared_in,
         sha256=data.declared_sha256,
         stored_sha256=data.stored_sha256,
-        hypotheses=tuple(h for h in hypotheses if _has_data(data, h)),
+        hypotheses=hypotheses,
     )
 
 
 def _has_data(data: StudyData, hypothesis: Hypothesis) -> bool:
-    """A published hypothesis about a questionnaire is left out where there is none."""
-    if data.declared.hypotheses:
-        return True
+    """Whether the data have any outcome of a published hypothesis."""
     scales = {scale.name for scale in data.declared.scales}
     return bool(set(hypothesis.outcomes) & ({"performance", "switched"} | scales))
 

@@ -36,8 +36,7 @@ def method(found: Analysis) -> str:
         if data.form != "counts"
         else "The data are counts of participants.",
         f"Each participant did the task {declared.trials} times. Performance is the mean reward "
-        "over "
-        f"these trials, {declared.rewards.optimal:g} for the optimal goal and "
+        f"over these trials, {declared.rewards.optimal:g} for the optimal goal and "
         f"{declared.rewards.other:g} for the other.",
     ]
     for scale in found.scales:
@@ -102,6 +101,7 @@ def checklist(found: Analysis) -> list[list[str]]:
         + ("; ".join(apa.effect(e) for e in (s.alpha, s.spearman_brown) if e) or "none")
         for s in found.scales
     ]
+    consent = "those without consent are left out" if data.form == "export" else "not in the data"
     hypotheses = ", ".join(h.name for h in plan.hypotheses) or "none"
     return [
         [
@@ -112,10 +112,10 @@ def checklist(found: Analysis) -> list[list[str]]:
         ["Recruitment", f"{data.flow.opened} came", "where, when, how paid; who could take part"],
         [
             "People",
-            "the export holds nothing that describes them",
+            "nothing in the data describes them",
             "age, gender, experience with robots",
         ],
-        ["Consent and ethics", "those without consent are left out", "the board and its approval"],
+        ["Consent and ethics", consent, "the board and its approval"],
         ["Allocation", f"analysed: {sizes}", "the method; who was blind to what"],
         ["Exclusions", left, "whether each rule was set before data"],
         [
