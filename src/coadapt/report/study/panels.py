@@ -136,6 +136,7 @@ def _ratings(axes: Axes, found: Analysis, scales: Sequence[str]) -> None:
 
 def _against(axes: Axes, found: Analysis, values: dict[str, FloatArray], scale: str) -> None:
     style, ratings = looks(found.data.conditions), values_of(found, scale)
+    centres: dict[str, tuple[float, float]] = {}
     for name, given in values.items():
         if name not in ratings:
             continue
@@ -145,15 +146,20 @@ def _against(axes: Axes, found: Analysis, values: dict[str, FloatArray], scale: 
         axes.plot([x_low, x_high], [y, y], color=color, linewidth=1.2)
         axes.plot([x, x], [y_low, y_high], color=color, linewidth=1.2)
         axes.scatter([x], [y], s=30, color=color, marker=marker, zorder=4, linewidths=0)
+        centres[name] = x, y
+    axes.margins(0.18, 0.2)
+    low, high = axes.get_xlim()
+    for name, (x, y) in centres.items():
+        on_left = x > (low + high) / 2
         axes.annotate(
             title_of(name),
             (x, y),
-            xytext=(5, 5),
+            xytext=(-5 if on_left else 5, 5),
             textcoords="offset points",
+            ha="right" if on_left else "left",
             fontsize=6.6,
-            color=text_color(color),
+            color=text_color(style[name][0]),
         )
-    axes.margins(0.18, 0.2)
     axes.set_title(f"c  Reward against {title_of(scale).lower()}", pad=8)
     axes.set_xlabel(f"{title_of(scale).lower()}, points", fontsize=7.4)
     axes.set_ylabel("mean reward", fontsize=7.4)

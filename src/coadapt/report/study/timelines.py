@@ -99,7 +99,9 @@ def _trial(axes: Axes, trial: Trial, alphas: Sequence[float]) -> None:
                             linewidth=0,
                         )
                     )
-    axes.plot(range(steps), [step.towards for step in trial.course], color=INK, linewidth=0.9)
+    towards = [step.towards for step in trial.course]
+    if np.ptp(towards) > 1e-9:
+        axes.plot(range(steps), towards, color=INK, linewidth=0.9)
     for kind, (color, marker) in MARKS.items():
         xs = [t for t, step in enumerate(trial.course) if done_with(step) == kind]
         axes.scatter(xs, [-0.3] * len(xs), s=7, color=color, marker=marker, linewidths=0)
