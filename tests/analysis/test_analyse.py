@@ -9,12 +9,19 @@ from pathlib import Path
 import numpy as np
 import pytest
 
-from coadapt.analysis.analyse import Analysis, analyse, plan_of
+from coadapt.analysis.analyse import Analysis, analyse, deviations_of, plan_of
 from coadapt.analysis.data import read_data
-from coadapt.analysis.measures import DISAGREEMENT_COST, reliabilities, scale_scores
+from coadapt.analysis.measures import (
+    DISAGREEMENT_COST,
+    person_measures,
+    reliabilities,
+    scale_scores,
+    trial_measures,
+)
 from coadapt.analysis.record import to_json
 from coadapt.analysis.tests import NotTested, TestResult
 from coadapt.analysis.tests.power import smallest_effect
+from coadapt.analysis.verdicts import put_to_test
 from coadapt.study.protocol.reader import template
 from tests.analysis.exported import EACH, Tables, export
 
@@ -69,12 +76,13 @@ def test_the_declared_analysis(found: Analysis) -> None:
 
 def test_a_changed_protocol_is_told(tmp_path: Path) -> None:
     changed = template().replace(b"correction = ", b'compare = "all"\ncorrection = ')
-    found = analyse(read_data(export(tmp_path / "x", protocol=changed)))
-    assert found.plan.status == "changed"
-    assert found.plan.text in found.deviations
-    overall = found.tested[0].pairs
-    assert len(overall) == 3
-    assert all(isinstance(p.found, TestResult) and p.found.comparisons == 3 for p in overall)
+    data = read_data(export(tmp_path / "x", protocol=changed))
+    plan = plan_of(data)
+    assert plan.status == "changed"
+    (tested,) = put_to_test(plan.hypotheses[0], person_measures(data, trial_measures(data)))
+    assert len(tested.pairs) == 3
+    assert all(isinstance(p.found, TestResult) and p.found.comparisons == 3 for p in tested.pairs)
+    assert plan.text in deviations_of(data, plan, (tested,))
 
 
 def test_another_plan_is_told(tmp_path: Path) -> None:

@@ -116,7 +116,7 @@ def analyse(data: StudyData) -> Analysis:
         tested=tested,
         exploratory=_exploratory(data, people),
         detectable=_detectable(data),
-        deviations=_deviations(data, plan, tested),
+        deviations=deviations_of(data, plan, tested),
         versions=dict(versions()),
     )
 
@@ -227,7 +227,8 @@ def _detectable(data: StudyData) -> float | None:
         return None
 
 
-def _deviations(data: StudyData, plan: Plan, tested: Sequence[Tested]) -> tuple[str, ...]:
+def deviations_of(data: StudyData, plan: Plan, tested: Sequence[Tested]) -> tuple[str, ...]:
+    """Where the analysis is another than planned, a sentence each."""
     found: list[str] = []
     if plan.status in ("changed", "published"):
         found.append(plan.text)
