@@ -8,6 +8,7 @@ from pathlib import Path
 import msgspec
 import pytest
 
+from coadapt.hypotheses import Hypothesis
 from coadapt.study.protocol import (
     Allocation,
     Clock,
@@ -32,6 +33,7 @@ PLACES = [
     (Allocation, "`[allocation]`"),
     (Recruitment, "`[recruitment]`"),
     (Question, "`[[questions]]`"),
+    (Hypothesis, "`[[hypotheses]]`"),
 ]
 
 

@@ -9,8 +9,10 @@ import pytest
 
 from coadapt.analysis.analyse import analyse
 from coadapt.analysis.data import Problem, StudyData, read_data
+from coadapt.analysis.data.export import ANSWER, PERSON, STEP, TRIAL
 from coadapt.analysis.measures import reliabilities, scale_scores
 from coadapt.errors import FileError
+from coadapt.study.export import TABLES
 from tests.analysis.exported import EACH, Tables, export
 
 
@@ -234,10 +236,7 @@ def test_folders_that_cannot_be_used(tmp_path: Path) -> None:
 
 def test_an_export_has_the_columns_that_are_read() -> None:
     """The two know each other by file alone; this is where they meet."""
-    module = pytest.importorskip("coadapt.study.export")
-    from coadapt.analysis.data.export import ANSWER, PERSON, STEP, TRIAL
-
-    written = {t.name: {c.name for c in t.columns} for t in module.TABLES}
+    written = {t.name: {c.name for c in t.columns} for t in TABLES}
     more = {"goal", "optimal", "steps", "changed", "inputs", "disagreements", "matched"}
     assert {"belief_alpha", "duration", *more, *TRIAL} <= written["trials"]
     assert {"simulated", "checks_failed", *PERSON} <= written["participants"]
