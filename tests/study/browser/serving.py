@@ -48,8 +48,7 @@ def write_study(directory: Path, *changes: tuple[str, str], questions: bool = Tr
     text = template().decode()
     start, end = text.index("[[conditions]]"), text.index("[texts]")
     text = text[:start] + CONDITION + text[end:]
-    if not questions:
-        text = text[: text.index("[[scales]]")]
+    text = text[: text.index("[[hypotheses]]" if questions else "[[scales]]")]
     for old, new in (
         ('"table_clearing"', '"table_clearing_small"'),
         ("step = 0.5", "step = 0.08"),

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import pytest
+from playwright.sync_api import Page
 
 from coadapt.study.session.events import Checked, Noted, Pressed
 from tests.study.browser.conftest import Visitor
@@ -33,43 +34,52 @@ addEventListener("load", () => dispatchEvent(new Event("gamepadconnected")));
 HAT = {"forward": -1.0, "right": -0.4286, "left": 0.7143, None: 1.2857}
 
 
-def test_a_gamepad_of_unknown_layout(waiting: Serving, visitor: Visitor) -> None:
-    page = visitor(PAD)
+def push(page: Page, way: str | None) -> None:
+    """Push the cross of the faked pad, or let go of it."""
+    page.evaluate("value => push(value)", HAT[way])
 
-    def push(way: str | None) -> None:
-        page.evaluate("value => push(value)", HAT[way])
 
-    def tap(way: str) -> None:
-        push(way)
-        page.wait_for_selector(f'.pad button.held[aria-label="{way}"]')
-        push(None)
-        page.wait_for_selector(".pad button.held", state="detached")
+def tap(page: Page, way: str) -> None:
+    """Push and let go, as soon as the page has seen it."""
+    push(page, way)
+    page.wait_for_selector(f'.pad button.held[aria-label="{way}"]')
+    push(page, None)
+    page.wait_for_selector(".pad button.held", state="detached")
 
-    page.goto(waiting.address)
+
+def to_practice_by_gamepad(page: Page, serving: Serving) -> None:
+    """From the link to the first training session, the pad calibrated on the way."""
+    page.goto(serving.address)
     go_on(page)
     at_stage(page, "preflight 1")
     choose(page, "device", 1)
     for way in ("left", "right", "forward"):
         page.wait_for_selector(f"text=Push the stick or the cross {way}")
         picture(page, "preflight 1 calibration")
-        push(way)
+        push(page, way)
         page.wait_for_selector(f"text=Push the stick or the cross {way}", state="detached")
-        push(None)
+        push(page, None)
     page.wait_for_selector("text=Your gamepad is known now")
     for way in ("left", "forward", "right"):
-        tap(way)
+        tap(page, way)
     page.wait_for_selector("#check-device.good")
     page.wait_for_selector("#check-connection.good")
     go_on(page)
     at_stage(page, "consent 1")
     go_on(page, "I agree to take part")
+    at_stage(page, "instructions 1")
     go_on(page)
     at_stage(page, "practice 1")
+
+
+def test_a_gamepad_of_unknown_layout(waiting: Serving, visitor: Visitor) -> None:
+    page = visitor(PAD)
+    to_practice_by_gamepad(page, waiting)
     page.wait_for_selector("text=Push in any direction")
     for way in ("left", "left", "left", "forward", "forward", "forward"):
         if page.locator(".over").count():
             break
-        tap(way)
+        tap(page, way)
     page.wait_for_selector(".over button:focus")
 
     events = waiting.events(key_of(page))
@@ -83,6 +93,46 @@ def test_a_gamepad_of_unknown_layout(waiting: Serving, visitor: Visitor) -> None
         for event in pressed
     )
     assert [event.sequence for event in pressed] == list(range(len(pressed)))
+
+
+def test_a_gamepad_from_the_link_to_the_debrief(serving: Serving, visitor: Visitor) -> None:
+    page = visitor(PAD)
+    to_practice_by_gamepad(page, serving)
+
+    def hold(way: str) -> None:
+        push(page, way)
+
+    def let_go(_: str) -> None:
+        push(page, None)
+
+    for number in (1, 2):
+        at_stage(page, f"practice {number}")
+        steer_left(page, hold, let_go)
+        go_on(page)
+    at_stage(page, "choice 1")
+    choose(page, "goal", 0)
+    go_on(page)
+    at_stage(page, "briefing 1")
+    go_on(page)
+    for number in (1, 2, 3):
+        at_stage(page, f"trial {number}")
+        steer_ahead(page, hold, let_go)
+        go_on(page)
+    for number, scale in enumerate(serving.study.scales, start=1):
+        at_stage(page, f"scale {number}")
+        for item in scale.items:
+            choose(page, item.name, 3)
+        go_on(page)
+    at_stage(page, "questions 1")
+    go_on(page)
+    at_stage(page, "debrief 1")
+
+    key = key_of(page)
+    session = serving.session(key)
+    assert (session.end, session.device) == ("finished", "gamepad")
+    assert [result.goal for result in session.results] == [1, 1, 1]
+    pressed = [event for event in serving.events(key) if isinstance(event, Pressed)]
+    assert {event.device for event in pressed} == {"gamepad"}
 
 
 def test_one_switch(serving: Serving, visitor: Visitor) -> None:
