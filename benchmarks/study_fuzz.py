@@ -14,6 +14,7 @@ from __future__ import annotations
 
 import argparse
 import asyncio
+import logging
 import os
 import signal
 import sys
@@ -34,11 +35,11 @@ from hypothesis import HealthCheck, Phase, given, settings
 from hypothesis import strategies as st
 from study_kill import write_study
 from study_nonsense import CONVERSATIONS, FORMS, RAW
-from study_visitor import Visitor, missing
+from study_visitor import Visitor, filled, missing
 from websockets.exceptions import WebSocketException
 from websockets.sync.client import connect
 
-from coadapt.study.pilot.page import Form, read_page
+from coadapt.study.pilot.page import read_page
 from coadapt.study.protocol import Study, read_study
 from coadapt.study.session import plan_of, replayed
 from coadapt.study.session.events import Noted
@@ -203,17 +204,6 @@ class Hostile:
             self._counts.errors.append(f"{answer.status_code} after {what}")
 
 
-def filled(form: Form) -> dict[str, str]:
-    """A form as a page would send it."""
-    data = dict(form.hidden)
-    if "latency" in data:
-        data |= {"width": "800", "height": "600", "latency": "0.01", "device": "keyboard"}
-    data |= {name: values[0] for name, values in form.choices.items()}
-    if "consent" in form.buttons:
-        data["consent"] = "yes"
-    return data | dict.fromkeys(form.texts, "words")
-
-
 def _bytes(heard: str | bytes) -> bytes:
     return heard.encode() if isinstance(heard, str) else heard
 
@@ -370,6 +360,8 @@ def main() -> int:
     parser = argparse.ArgumentParser(description=(__doc__ or "").split("\n\n", maxsplit=1)[0])
     parser.add_argument("--messages", type=int, default=50_000)
     given_options = parser.parse_args()
+    # The client is not meant for connections that are cut in the middle of a message.
+    logging.getLogger("websockets").setLevel(logging.CRITICAL)
     began = time.monotonic()
     last = [0.0]
 

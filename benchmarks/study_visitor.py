@@ -167,15 +167,7 @@ class Visitor:
                 raise Problem(f"found nothing to do on the page {page.heading!r}")
 
     async def _fill(self, client: httpx2.AsyncClient, form: Form, page: Page) -> None:
-        filled = dict(form.hidden)
-        if "latency" in filled:
-            filled |= {"width": "800", "height": "600", "latency": "0.01", "device": "keyboard"}
-        filled |= {name: values[-1] for name, values in form.choices.items()}
-        if "consent" in form.buttons:
-            filled["consent"] = "yes"
-        for name in form.texts:
-            filled[name] = f"words of {self.participant}"
-        answer = await client.post(form.action, data=filled)
+        answer = await client.post(form.action, data=filled(form))
         if answer.status_code == 503:
             raise OSError("the server cannot store anything")
         if answer.status_code != 303:
@@ -227,6 +219,17 @@ class Visitor:
                 await _say(connection, sent)
             except LOST:
                 return
+
+
+def filled(form: Form) -> dict[str, str]:
+    """A form as a page would send it."""
+    data = dict(form.hidden)
+    if "latency" in data:
+        data |= {"width": "800", "height": "600", "latency": "0.01", "device": "keyboard"}
+    data |= {name: values[-1] for name, values in form.choices.items()}
+    if "consent" in form.buttons:
+        data["consent"] = "yes"
+    return data | dict.fromkeys(form.texts, "words")
 
 
 def missing(acknowledged: Acknowledged, events: Sequence[Kept]) -> list[str]:
