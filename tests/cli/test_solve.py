@@ -187,7 +187,12 @@ def test_an_interrupt_writes_the_policy_so_far(
         return begin(*arguments)
 
     monkeypatch.setattr(solver.SARSOP, "_search", interrupted)
-    assert main(["solve", "endless.pomdpx", "--gap", "1e-9", "--time-limit", "60"]) == 130
+    # A process that was started in the background does not heed it by itself.
+    before = signal.signal(signal.SIGINT, signal.default_int_handler)
+    try:
+        assert main(["solve", "endless.pomdpx", "--gap", "1e-9", "--time-limit", "60"]) == 130
+    finally:
+        signal.signal(signal.SIGINT, before)
     assert "(interrupted)" in capsys.readouterr().out
     assert len(read_policy("endless.policyx").vectors) > 0
 

@@ -221,6 +221,7 @@ def test_a_written_problem_has_the_same_bounds(model: Collaboration, tmp_path: P
     again = ca.read_pomdp(tmp_path / "task.pomdpx")
     # A state for the end is added where the problem has none.
     assert again.shape[0] == problem.shape[0] + bool(problem.terminal.any())
-    first, second = (ca.SARSOP(gap=1e-4).solve(p) for p in (problem, again))
+    # Bounds that close hold the same value; which way the search goes may differ.
+    first, second = (ca.SARSOP(gap=1e-6).solve(p) for p in (problem, again))
     assert second.lower == pytest.approx(first.lower, abs=1e-6)
     assert second.upper == pytest.approx(first.upper, abs=1e-6)

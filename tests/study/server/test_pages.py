@@ -141,7 +141,8 @@ def test_progress() -> None:
         {"class": "now", "aria-current": "step"}
     ]
     assert "Trial 2 of 3" in outline.text
-    bare = msgspec.structs.replace(asked_study(), practice=0, scales=(), questions=())
+    nothing = {"practice": 0, "scales": (), "questions": (), "hypotheses": ()}
+    bare = msgspec.structs.replace(asked_study(), **nothing)
     assert "Questions End" not in page(standing(Stage("welcome"), bare), bare).text
 
 
