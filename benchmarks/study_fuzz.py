@@ -25,13 +25,14 @@ from collections import Counter
 from collections.abc import Callable, Generator, Sequence
 from contextlib import contextmanager, suppress
 from dataclasses import dataclass, field
+from itertools import count
 from multiprocessing import get_context
 from multiprocessing.connection import Connection
 from pathlib import Path
 
 import httpx2
 import numpy as np
-from hypothesis import HealthCheck, Phase, given, settings
+from hypothesis import HealthCheck, Phase, given, seed, settings
 from hypothesis import strategies as st
 from study_kill import write_study
 from study_nonsense import CONVERSATIONS, FORMS, RAW
@@ -53,6 +54,9 @@ sessions in memory."""
 
 WARM = 0.2
 """Part of the messages after which its memory is looked at first."""
+
+ROUND = 20
+"""Sessions that hypothesis draws at a time."""
 
 PATIENCE = 20.0
 """Seconds to wait for an answer."""
@@ -289,10 +293,9 @@ def fuzz(
         hostile = Hostile(address, study, counts)
 
         @settings(
-            max_examples=messages,
+            max_examples=ROUND,
             deadline=None,
             database=None,
-            derandomize=True,
             phases=[Phase.generate],
             suppress_health_check=list(HealthCheck),
         )
@@ -310,8 +313,6 @@ def fuzz(
             raw: bytes,
             to: str,
         ) -> None:
-            if counts.sent >= messages:
-                return
             path = hostile.go_on(pages)
             hostile.converse(path, talk)
             hostile.send_forms(path, forms, raw, to=to)
@@ -320,7 +321,10 @@ def fuzz(
                 memory[0] = memory_mb(process)
             progress(f"{counts.sent:,} of {messages:,}")
 
-        attack()
+        for number in count():
+            if counts.sent >= messages:
+                break
+            seed(number)(attack)()
         hostile.close()
         witnesses.end()
         memory[1] = memory_mb(process)
