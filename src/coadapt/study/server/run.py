@@ -2,8 +2,10 @@
 
 from __future__ import annotations
 
+import gc
 import logging
 import socket
+import sys
 from collections.abc import Callable, Sequence
 from contextlib import suppress
 from dataclasses import dataclass
@@ -35,6 +37,9 @@ GRACE = 10
 
 PINGS = 20.0
 """Seconds between signs of life of a websocket, and to wait for the answer."""
+
+SWITCH = 0.0005
+"""Seconds after which a thread makes room for another that waits for the interpreter."""
 
 BACKLOG = 2048
 """Connections that wait to be accepted."""
@@ -172,6 +177,11 @@ def run(
         config.load()
     except OSError as error:  # ssl.SSLError is one
         raise InputError(f"certificate and key cannot be used: {error}") from error
+    # What would make participants wait: the writing thread for the interpreter, 5 ms each time it
+    # comes back from the database; and everybody for a look at all objects that are there now.
+    sys.setswitchinterval(SWITCH)
+    gc.collect()
+    gc.freeze()
     with suppress(KeyboardInterrupt):  # raised again by uvicorn once all is closed
         _Server(config, started).run([listening])
 

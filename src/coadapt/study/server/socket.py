@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import asyncio
 import logging
+from collections import deque
 from contextlib import suppress
 from urllib.parse import urlsplit
 
@@ -86,27 +87,36 @@ class End:
 
 
 class Mailbox:
-    """What has come for a connection and is not yet dealt with."""
+    """What has come for a connection and is not yet dealt with; one task takes it out."""
 
     def __init__(self) -> None:
-        self._queue: asyncio.Queue[Ready | Input | Note | End] = asyncio.Queue()
+        self._messages: deque[Ready | Input | Note | End] = deque()
+        self._waiting: asyncio.Future[None] | None = None
 
     def put(self, message: Ready | Input | Note | End) -> bool:
         """Put it behind the others; False if there are too many."""
-        if self._queue.qsize() >= MOST_UNREAD and not isinstance(message, End):
+        if len(self._messages) >= MOST_UNREAD and not isinstance(message, End):
             return False
-        self._queue.put_nowait(message)
+        self._messages.append(message)
+        self._wake()
         return True
 
     async def get(self, until: float) -> Ready | Input | Note | End | None:
         """The first; None if there is none by ``until``, in seconds of the event loop."""
-        if not self._queue.empty():
-            return self._queue.get_nowait()
-        try:
-            async with asyncio.timeout_at(until):
-                return await self._queue.get()
-        except TimeoutError:
-            return None
+        if not self._messages:
+            loop = asyncio.get_running_loop()
+            self._waiting = loop.create_future()
+            alarm = loop.call_at(until, self._wake)
+            try:
+                await self._waiting
+            finally:
+                alarm.cancel()
+                self._waiting = None
+        return self._messages.popleft() if self._messages else None
+
+    def _wake(self) -> None:
+        if self._waiting is not None and not self._waiting.done():
+            self._waiting.set_result(None)
 
 
 async def steer(websocket: WebSocket, service: Service, connections: Connections, key: str) -> None:
