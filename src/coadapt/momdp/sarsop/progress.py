@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING, Self
 if TYPE_CHECKING:
     from rich.status import Status
 
-    from coadapt.momdp.sarsop.solver import Record
+    from coadapt.momdp.sarsop.solution import Record
 
 REFRESH_SECONDS = 0.1
 
