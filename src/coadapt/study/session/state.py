@@ -66,14 +66,6 @@ class Session(msgspec.Struct, frozen=True):
         """Whether the participant went for another goal than the chosen one in some trial."""
         return any(result.wanted not in (None, self.choice) for result in self.results)
 
-    @property
-    def consented(self) -> bool:
-        """Whether it got beyond the consent; known from the device of the preflight on."""
-        return self.device is not None and self.position > CONSENT_POSITION
-
-
-CONSENT_POSITION = 2
-"""The consent comes after the welcome and the preflight."""
 
 BEGINNING = Session()
 """Before anything happened."""
