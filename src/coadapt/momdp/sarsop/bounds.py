@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from typing import Any
 
-from coadapt.arrays import FloatArray, IntArray
+from coadapt.arrays import FloatArray, Int32Array, IntArray
 from coadapt.jit import bare, kernel
 from coadapt.momdp.sarsop.tree import (
     BLOCK,
@@ -48,7 +48,7 @@ def refresh_lower(tree: Tree, n: int, scratch: Scratch) -> float:
 
 
 @bare
-def lane_totals(alpha: FloatArray, index: IntArray, mass: FloatArray, totals: FloatArray) -> None:
+def lane_totals(alpha: FloatArray, index: Int32Array, mass: FloatArray, totals: FloatArray) -> None:
     """Write ``sum_i mass(i) alpha(index(i), .)`` to ``totals``.
 
     Four terms at a time, in their order: so totals are read and written a quarter as often.

@@ -6,6 +6,7 @@ import numpy as np
 
 from coadapt.arrays import FloatArray, IntArray
 from coadapt.jit import bare, kernel
+from coadapt.momdp.sarsop.bounds import lane_totals
 from coadapt.momdp.sarsop.problem import Problem, push
 from coadapt.momdp.sarsop.tree import BRANCHES, CHILDREN, ENTRIES, NODES, NONE, Scratch, Tree
 
@@ -14,6 +15,9 @@ NEGLIGIBLE = 1e-20
 
 SAME_BELIEF = 1e-13
 """Beliefs whose entries agree this closely are one node."""
+
+HASHED = 64
+"""About so many entries of a belief are hashed, evenly spread."""
 
 GRID = 2.0**36
 """Beliefs are hashed by their entries rounded to this many steps."""
@@ -27,21 +31,21 @@ SUPPORT_BITS = 62
 
 
 @kernel
-def plant(tree: Tree, x: int, index: IntArray, mass: FloatArray) -> int:
+def plant(tree: Tree, x: int, index: IntArray, mass: FloatArray, scratch: Scratch) -> int:
     """`add_node` for Python to call."""
-    return add_node(tree, x, index, mass)
+    return add_node(tree, x, index, mass, scratch)
 
 
 @bare
-def add_node(tree: Tree, x: int, index: IntArray, mass: FloatArray) -> int:
+def add_node(tree: Tree, x: int, index: IntArray, mass: FloatArray, scratch: Scratch) -> int:
     """The node of observed state ``x`` and the belief with ``mass`` on ``index``; new if need be.
 
     ``index`` increases; ``mass`` sums to 1. A new node starts from the informed bound and has yet
     to look at vectors and points.
     """
     size = index.shape[0]
-    h = x
-    for i in range(size):
+    h = x + size
+    for i in range(0, size, 1 + size // HASHED):
         h = (h * 1000003 + index[i] * 7919 + int(mass[i] * GRID + 0.5)) % PRIME
     h = h % tree.bucket.shape[0]
     n = int(tree.bucket[h]) - 1
@@ -60,12 +64,12 @@ def add_node(tree: Tree, x: int, index: IntArray, mass: FloatArray) -> int:
         tree.entry_y[first + i] = index[i]
         tree.entry_mass[first + i] = mass[i]
         corners += mass[i] * tree.corner[x, index[i]]
-    informed = -np.inf
-    for a in range(tree.informed.shape[1]):
-        total = 0.0
-        for i in range(size):
-            total += mass[i] * tree.informed[x, a, index[i]]
-        informed = max(informed, total)
+    informed = scratch.informed
+    support_y, held = tree.entry_y[first : first + size], tree.entry_mass[first : first + size]
+    lane_totals(tree.informed[x], support_y, held, informed)
+    best = informed[0]
+    for a in range(1, informed.shape[0]):
+        best = max(best, informed[a])
     node = tree.nodes[n]
     node["x"] = x
     node["first_entry"] = first
@@ -77,7 +81,7 @@ def add_node(tree: Tree, x: int, index: IntArray, mass: FloatArray) -> int:
     node["lower"] = -np.inf
     node["vector"] = NONE
     node["vectors_seen"] = NONE
-    node["upper"] = min(corners, informed)
+    node["upper"] = min(corners, best)
     node["points_seen"] = NONE
     node["corners"] = corners
     node["visits"] = 0
@@ -102,7 +106,7 @@ def is_node(tree: Tree, n: int, x: int, index: IntArray, mass: FloatArray) -> bo
 
 
 @bare
-def open_node(p: Problem, tree: Tree, n: int) -> None:
+def open_node(p: Problem, tree: Tree, n: int, scratch: Scratch) -> None:
     """Give node ``n`` its branches, bounded by the informed bound."""
     actions = p.reward.shape[1]
     node = tree.nodes[n]
@@ -111,15 +115,17 @@ def open_node(p: Problem, tree: Tree, n: int) -> None:
     tree.used[BRANCHES] += actions
     node["first_branch"] = r
     first = node["first_entry"]
+    last = first + node["entries"]
+    informed = scratch.informed
+    lane_totals(tree.informed[x], tree.entry_y[first:last], tree.entry_mass[first:last], informed)
     for a in range(actions):
         reward = 0.0
-        upper = 0.0
-        for i in range(first, first + node["entries"]):
+        for i in range(first, last):
             reward += tree.entry_mass[i] * p.reward[x, a, tree.entry_y[i]]
-            upper += tree.entry_mass[i] * tree.informed[x, a, tree.entry_y[i]]
         branch = tree.branches[r + a]
+        branch["node"] = n
         branch["reward"] = reward
-        branch["upper"] = upper
+        branch["upper"] = informed[a]
         branch["first_child"] = NONE
         branch["children"] = 0
 
@@ -170,7 +176,7 @@ def expand_branch(p: Problem, tree: Tree, n: int, a: int, scratch: Scratch) -> N
                 tree.used[CHILDREN] += 1
                 child = tree.children[c]
                 at, to = begin[o], end[o]
-                child["node"] = add_node(tree, x_next, index[at:to], mass[at:to])
+                child["node"] = add_node(tree, x_next, index[at:to], mass[at:to], scratch)
                 child["probability"] = chance[o]
                 child["edge"] = e
                 child["observation"] = o

@@ -7,7 +7,7 @@ from typing import NamedTuple
 import numpy as np
 from scipy import sparse
 
-from coadapt.arrays import FloatArray, IntArray
+from coadapt.arrays import FloatArray, Int32Array, IntArray
 from coadapt.jit import bare
 from coadapt.momdp.model import MOMDP
 from coadapt.momdp.transition import JumpTransition
@@ -65,7 +65,7 @@ def as_arrays(problem: MOMDP) -> Problem:
 
 @bare
 def push(
-    p: Problem, k: int, index: IntArray, mass: FloatArray, out: FloatArray, spare: FloatArray
+    p: Problem, k: int, index: Int32Array, mass: FloatArray, out: FloatArray, spare: FloatArray
 ) -> None:
     """Write ``mass @ J_k`` to ``out`` ``[Y]``; ``mass`` lies on the hidden states ``index``.
 

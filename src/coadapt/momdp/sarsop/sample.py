@@ -1,13 +1,15 @@
 """Sampling near the beliefs an optimal policy reaches (Kurniawati, Hsu, Lee 2008, Sec. III-B).
 
 A trial walks down from a root: the action with the largest upper bound, then the successor and
-observation that contribute most to the gap. Among successors alike it prefers
-those seldom chosen before: else it would go the same ways again and again while the rest of the
-belief space waits. Every second trial takes the actions of the policy so far instead, which raises
-the lower bound where the upper ones mislead. A trial carries targets: the
-lower bound a belief would have to exceed, and the upper bound it would have to undercut, to matter
-at the root. It goes on below its target gap where the predicted value says that the lower bound at
-the root would rise. Then every node on the path is backed up, the last first.
+observation that contribute most to the gap. Among successors alike it prefers those seldom chosen
+before: else it would go the same ways again and again while the rest of the belief space waits. A
+trial carries targets: the lower bound a belief would have to exceed, and the upper bound it would
+have to undercut, to matter at the root. It goes on below its target gap where the predicted value
+says that the lower bound at the root would rise. Then every node on the path is backed up, the last
+first.
+
+Every second trial takes the actions of the policy so far instead, and backs up the lower bounds
+alone. That raises them where the upper ones mislead. Between trials come sweeps (see `sweep`).
 """
 
 from __future__ import annotations
@@ -22,6 +24,7 @@ from coadapt.momdp.sarsop.backup import backup_lower, backup_upper, q_lower
 from coadapt.momdp.sarsop.bounds import refresh_lower, refresh_upper
 from coadapt.momdp.sarsop.expand import expand_branch, open_node
 from coadapt.momdp.sarsop.problem import Problem
+from coadapt.momdp.sarsop.sweep import sweep
 from coadapt.momdp.sarsop.tree import (
     BACKUPS,
     CHILDREN,
@@ -31,6 +34,7 @@ from coadapt.momdp.sarsop.tree import (
     LISTED_POINTS,
     NONE,
     POINTS,
+    SWEEP,
     TRIALS,
     VECTORS,
     Scratch,
@@ -52,9 +56,9 @@ PATIENCE = 100
 FEW = 64
 """So few more are not worth the trouble."""
 
-AIMS = (0.3, 0.5, 0.8, 0.5)
-"""At which part of the gap it starts from a trial aims, in turn: the first and third follow the
-policy, far down and not so far."""
+AIMS = (0.2, 0.5, 0.4, 0.5, 0.6, 0.5, 0.8, 0.5)
+"""At which part of the gap it starts from a trial aims, in turn: those in the odd places follow the
+policy, some far down and some not so far, since no single depth suits every problem."""
 
 VISITS = 3.0
 """A child's gap weighs one over the square root of this and the number of its visits."""
@@ -142,6 +146,8 @@ def run_trials(
             return MANY_VECTORS
         if tree.used[LISTED_POINTS] > TOO_MANY * tree.used[KEPT_POINTS] + FEW:
             return MANY_POINTS
+        if tree.used[BACKUPS] >= tree.used[SWEEP] and not sweep(p, tree, room, scratch):
+            return NO_ROOM
         tree.used[TRIALS] += 1
         turn = int(tree.used[TRIALS]) % len(AIMS)
         exploit = turn % 2 == 0
@@ -152,7 +158,8 @@ def run_trials(
         for i in range(depth, -1, -1):
             if not has_room(tree, room):
                 return NO_ROOM
-            backup_upper(p, tree, path[i], scratch)
+            if not exploit:
+                backup_upper(p, tree, path[i], scratch)
             backup_lower(p, tree, path[i], scratch, exploit)
         if tree.used[VECTORS] + tree.used[POINTS] + tree.used[CHILDREN] > before:
             idle = 0
@@ -198,10 +205,8 @@ def descend(
         if not has_room(tree, room):
             return -1
         if tree.nodes[n]["first_branch"] == NONE:
-            open_node(p, tree, n)
-        best = backup_upper(p, tree, n, scratch)
-        if exploit:
-            best = policy_action(p, tree, n, scratch)
+            open_node(p, tree, n, scratch)
+        best = policy_action(p, tree, n, scratch) if exploit else backup_upper(p, tree, n, scratch)
         lower = refresh_lower(tree, n, scratch)
         upper = tree.nodes[n]["upper"]
         if depth == DEPTH_LIMIT or upper - lower <= 0.0 or p.discount == 0.0:
@@ -229,8 +234,7 @@ def descend(
             total_lower += p.discount * probability * child["lower"]
             total_upper += p.discount * probability * child["upper"]
             excess = probability * (child["upper"] - child["lower"] - allowed)
-            if not exploit:
-                excess /= np.sqrt(VISITS + child["visits"])
+            excess /= np.sqrt(VISITS + child["visits"])
             if chosen == NONE or excess > heaviest:
                 chosen = c
                 heaviest = excess

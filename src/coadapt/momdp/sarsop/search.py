@@ -171,9 +171,10 @@ class Search:
         self.tidy(self._room)
         # Ask for ample room, or pruning would be due again at once.
         room = np.maximum(self._room, self._tree.used // 4)
+        room[POINTS] = max(room[POINTS], self._tree.used[POINTS])
         if limit is not None and size_after(self._tree, room) > limit:
             return Status.MEMORY
-        self._tree = grow(self._tree, room)
+        grow(self._tree, room)
         return None
 
     def tidy(self, room: IntArray) -> None:
@@ -241,7 +242,7 @@ class Search:
         room = np.zeros_like(self._room)
         room[VECTORS] = states * len(policies)
         room[GROUPS] = states * -(-len(policies) // tree.lane_alpha.shape[2])
-        tree = grow(tree, room)
+        grow(tree, room)
         for policy, order in policies:
             blind = states > 1 and bool((policy == policy[0]).all())
             most = FEWER_VALUES if blind else VALUES
@@ -254,7 +255,7 @@ class Search:
             exactly = 1e-2 * (1.0 - p.discount) * tolerance
             vectors = controller_values(p, states_met, exactly, SWEEPS)
             room[VECTORS] = room[GROUPS] = len(vectors)
-            tree = grow(tree, room)
+            grow(tree, room)
             add_vectors(tree, states_met.x, vectors, states_met.action)
         prune_vectors(tree)
         tree.used[KEPT] = tree.used[LISTED]
@@ -262,12 +263,12 @@ class Search:
 
     def _plant(self) -> IntArray:
         """The nodes of the roots."""
-        self._tree = grow(self._tree, len(self._problem.roots) * self._room)
+        grow(self._tree, len(self._problem.roots) * self._room)
         nodes: list[int] = []
         for root in self._problem.roots:
             support = np.flatnonzero(root.belief)
             mass = root.belief[support]
-            nodes.append(plant(self._tree, root.x, support, mass))
+            nodes.append(plant(self._tree, root.x, support, mass, self._scratch))
         return np.array(nodes, dtype=np.int64)
 
     def _root_bounds(self) -> tuple[FloatArray, FloatArray]:
