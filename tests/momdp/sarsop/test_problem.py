@@ -7,7 +7,7 @@ import numpy as np
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from coadapt.arrays import FloatArray, IntArray
+from coadapt.arrays import FloatArray, Int32Array, IntArray
 from coadapt.momdp import MOMDP
 from coadapt.momdp.sarsop.problem import Problem, as_arrays, pull, push, row_of, staying
 from tests.momdp.problems import dense_map
@@ -18,7 +18,7 @@ from tests.momdp.strategies import jump_momdps, momdps
 def call_all(  # noqa: PLR0917 (arrays in, as kernels have it)
     p: Problem,
     k: int,
-    index: IntArray,
+    index: Int32Array,
     mass: FloatArray,
     values: FloatArray,
     outs: FloatArray,
@@ -44,7 +44,7 @@ def test_kernels_apply_the_maps(problem: MOMDP, seed: int) -> None:
     for k in range(problem.transition.count):
         dense = dense_map(problem.transition, k)
         # Mass on some of the hidden states.
-        index = np.flatnonzero(rng.random(hidden) < 0.7)
+        index = np.flatnonzero(rng.random(hidden) < 0.7).astype(np.int32)
         mass = rng.random(len(index))
         # Values are added to what is there, scaled.
         values, before = rng.normal(size=hidden), rng.normal(size=hidden)

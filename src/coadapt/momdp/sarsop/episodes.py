@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from coadapt.arrays import BoolArray, FloatArray, IntArray
+from coadapt.arrays import BoolArray, FloatArray, Int32Array, IntArray
 from coadapt.jit import bare, kernel
 from coadapt.momdp.policy import AlphaVectorPolicy
 from coadapt.momdp.sarsop.problem import Problem, push, row_of
@@ -125,7 +125,7 @@ def run_steps(
     """
     hidden = p.reward.shape[2]
     # The belief's support; successors.
-    index = np.empty(hidden, dtype=np.int64)
+    index = np.empty(hidden, dtype=np.int32)
     mass = np.empty(hidden)
     chance = np.empty(hidden)
     into = np.empty(hidden, dtype=np.int64)
@@ -170,7 +170,7 @@ def run_steps(
 
 @bare
 def best_action(
-    policy: Columns, x: int, index: IntArray, mass: FloatArray, hidden: int, values: FloatArray
+    policy: Columns, x: int, index: Int32Array, mass: FloatArray, hidden: int, values: FloatArray
 ) -> int:
     """The action of the best vector of ``x`` at the belief with ``mass`` on ``index``.
 
@@ -235,7 +235,7 @@ def follow(
     p: Problem,
     row: int,
     x_next: int,
-    index: IntArray,
+    index: Int32Array,
     mass: FloatArray,
     moved: FloatArray,
     spare: FloatArray,
