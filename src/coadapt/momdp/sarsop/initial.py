@@ -215,7 +215,8 @@ def fast_informed_bound(
                     back_up(p, x, a, value, new, spare)
                 else:
                     row = x * actions + a
-                    new[:] = p.reward[x, a]
+                    for y in range(hidden):
+                        new[y] = p.reward[x, a, y]
                     for e in range(p.edge_start[row], p.edge_start[row + 1]):
                         for y in range(hidden):
                             size = row_of(p, p.edge_map[e], y, index, chance)

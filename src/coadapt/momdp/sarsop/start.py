@@ -102,7 +102,8 @@ def controller_values(p: Problem, c: Controller, tolerance: float, sweeps: int) 
         # The states met last come first: values travel back to the roots.
         for i in range(c.x.shape[0] - 1, -1, -1):
             x, a = c.x[i], c.action[i]
-            new[:] = p.reward[x, a]
+            for y in range(hidden):
+                new[y] = p.reward[x, a, y]
             row = x * p.reward.shape[1] + a
             at = c.first[i]
             for e in range(p.edge_start[row], p.edge_start[row + 1]):
