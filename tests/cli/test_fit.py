@@ -90,10 +90,31 @@ def test_power(tmp_path: Path, capsys: pytest.CaptureFixture[str]) -> None:
     assert found["first_mode"] == "left"  # of less reward
 
 
+def test_power_for_people_who_slip_and_lapse(capsys: pytest.CaptureFixture[str]) -> None:
+    options = ["--noise", "0.1", "--noise-sd", "0.05", "--lapses", "0.2", "--lapse-steps", "2"]
+    assert main([*POWER, *options]) == 0
+    assert "noise: mean 0.1, SD 0.05; lapses: mean 0.2, SD 0" in capsys.readouterr().out
+    assert main([*POWER, *options, "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    assert found["population"] == {
+        "mean": 0.6,
+        "sd": 0.25,
+        "noise": {"mean": 0.1, "sd": 0.05},
+        "lapses": {"mean": 0.2, "sd": 0.0},
+        "lapse_steps": 2.0,
+    }
+    assert main([*POWER, "--json"]) == 0
+    without = json.loads(capsys.readouterr().out)
+    assert found["points"] != without["points"]
+
+
 @pytest.mark.parametrize(
     ("options", "message"),
     [
         (["--sd", "0.5", "--mean", "0.2"], "--sd cannot be used"),
+        (["--noise", "0.1", "--noise-sd", "0.4"], "--noise-sd cannot be used"),
+        (["--lapses-sd", "0.1"], "--lapses-sd cannot be used"),
+        (["--lapse-steps", "0.5"], "--lapse-steps"),
         (["--sizes", "9:3:1"], "does not lie from 2"),
         (["--sizes", "four"], "is not like 4,8,12"),
         (["--sizes", "4:9:0"], "is not like 4,8,12"),

@@ -17,6 +17,7 @@ from coadapt.cli.progress import progress_line
 from coadapt.errors import InputError, printable
 
 if TYPE_CHECKING:
+    from coadapt.analysis.experiment.people import People, Rates
     from coadapt.analysis.experiment.power import Needed, PowerPoint
     from coadapt.formalism import SharedAutonomy
     from coadapt.robots.task_setup import AnySetup
@@ -59,6 +60,41 @@ def _sizes(text: str) -> tuple[int, ...]:
     default=0.25,
     show_default=True,
     help="Its standard deviation (beta distribution).",
+)
+@click.option(
+    "--noise",
+    type=click.FloatRange(0, 1),
+    default=0.0,
+    show_default=True,
+    help="Mean rate of inputs other than those meant.",
+)
+@click.option(
+    "--noise-sd",
+    type=click.FloatRange(0, 0.5),
+    default=0.0,
+    show_default=True,
+    help="Its standard deviation among people (beta distribution); 0: the same for all.",
+)
+@click.option(
+    "--lapses",
+    type=click.FloatRange(0, 1),
+    default=0.0,
+    show_default=True,
+    help="Mean share of the steps in which people are absent-minded.",
+)
+@click.option(
+    "--lapses-sd",
+    type=click.FloatRange(0, 0.5),
+    default=0.0,
+    show_default=True,
+    help="Its standard deviation among people (beta distribution); 0: the same for all.",
+)
+@click.option(
+    "--lapse-steps",
+    type=click.FloatRange(1),
+    default=3.0,
+    show_default=True,
+    help="Mean number of steps that a lapse lasts.",
 )
 @click.option(
     "--sizes",
@@ -108,6 +144,11 @@ def command(
     task: str | None,
     mean: float,
     sd: float,
+    noise: float,
+    noise_sd: float,
+    lapses: float,
+    lapses_sd: float,
+    lapse_steps: float,
     sizes: tuple[int, ...],
     trials: int,
     beliefs: str,
@@ -128,6 +169,9 @@ def command(
     found if a Kruskal-Wallis test and Mann-Whitney tests of both pairs, with Bonferroni's
     correction, say so at the level 0.05.
 
+    Participants differ in alpha, in how often their hands slip and in how often they are
+    absent-minded. The robots know of alpha alone.
+
     The same seed gives the same numbers.
     """
     if figure is not None:
@@ -139,6 +183,7 @@ def command(
     import numpy as np
 
     from coadapt.analysis.adaptability.beta import beta_weights, spread_of
+    from coadapt.analysis.experiment.people import People
     from coadapt.analysis.experiment.pool import Protocol, simulate_pool
     from coadapt.analysis.experiment.power import (
         QUESTIONS,
@@ -151,6 +196,11 @@ def command(
         spread = spread_of(mean, sd)
     except ValueError as error:
         raise InputError(f"--sd cannot be used: {error}") from error
+    people = People(
+        noise=_rates("noise", noise, noise_sd),
+        lapses=_rates("lapses", lapses, lapses_sd),
+        lapse_steps=lapse_steps,
+    )
     setup = _setup(task, given)
     model = setup.model()
     protocol = Protocol(
@@ -163,7 +213,7 @@ def command(
     with progress_line(not as_json) as tell:
         robots = [_robot(setup, name).build(tell) for name in ROBOTS_IN_ORDER]
         tell("Simulating people in all conditions")
-        pools = [simulate_pool(robot, protocol, rng) for robot in robots]
+        pools = [simulate_pool(robot, protocol, rng, who=people) for robot in robots]
         weights = beta_weights(np.array(mean), np.array(spread), pools[0].points)
         points = power_curve(
             Conditions(*pools),
@@ -179,14 +229,16 @@ def command(
             from coadapt.report.figures.power import power
 
             with style.settings():
-                drawn = power(points, needed, wanted, mean, sd)
+                drawn = power(
+                    points, needed, wanted, _population(mean, sd, people).replace("; ", "\n")
+                )
                 figure.write_bytes(style.render(drawn, figure.suffix[1:]))
     names = model.mode_names
     wants = None if protocol.first_mode is None else names[protocol.first_mode]
     if as_json:
         record = {
             "task": model.world.name,
-            "population": {"mean": mean, "sd": sd},
+            "population": {"mean": mean, "sd": sd, **asdict(people)},
             "trials": trials,
             "beliefs": beliefs,
             "between_trials": between_trials,
@@ -201,13 +253,31 @@ def command(
         return
     click.echo(
         printable(
-            f"{model.world.name}: alpha with mean {mean:g} and SD {sd:g}, {trials} trials, "
+            f"{model.world.name}: {_population(mean, sd, people)}; {trials} trials, "
             f"beliefs {beliefs}, modes {between_trials}, first goal {wants}"
         )
     )
     click.echo("\n".join(_lines(points, needed, wanted)))
     if figure is not None:
         click.echo(f"Figure saved to {printable(str(figure))}")
+
+
+def _rates(name: str, mean: float, sd: float) -> Rates:
+    from coadapt.analysis.experiment.people import Rates
+
+    try:
+        return Rates(mean, sd)
+    except ValueError as error:
+        raise InputError(f"--{name}-sd cannot be used: {error}") from error
+
+
+def _population(mean: float, sd: float, people: People) -> str:
+    """In a few words; of noise and lapses only where there are any."""
+    said = [f"alpha: mean {mean:g}, SD {sd:g}"]
+    for name, rates in (("noise", people.noise), ("lapses", people.lapses)):
+        if rates.mean > 0:
+            said.append(f"{name}: mean {rates.mean:g}, SD {rates.sd:g}")
+    return "; ".join(said)
 
 
 ROBOTS_IN_ORDER = ("no_adaptation", "mutual_adaptation", "one_way_adaptation")

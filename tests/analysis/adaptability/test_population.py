@@ -26,7 +26,7 @@ from coadapt.analysis.adaptability.beta import (
 )
 from coadapt.analysis.adaptability.fit import fit_adaptability
 from coadapt.analysis.adaptability.intervals import profile_interval
-from coadapt.analysis.adaptability.likelihood import PersonModel
+from coadapt.analysis.adaptability.likelihood import PersonModel, log_likelihoods
 from tests.analysis.adaptability.people import binomial_evidence, recordings_of
 from tests.robots.worlds import DOWN, MODEL, UP, B, C
 
@@ -166,6 +166,12 @@ def test_models_are_compared() -> None:
     expected = 10 * np.log(0.8) + 5 * np.log(0.1) + 5 * np.log(0.9)
     assert none.log_likelihood == pytest.approx(expected)
     assert none.log_evidence == none.left_out == none.log_likelihood
+    full = scores["full adaptation", 1]
+    at_one = log_likelihoods(person, recordings, np.array([1.0]))
+    assert full.log_likelihood == pytest.approx(at_one.sum())
+    assert full.log_evidence == full.left_out == full.log_likelihood
+    assert full.log_likelihood <= alike.log_likelihood
+    assert full.aic == -2 * full.log_likelihood
     assert alike.aic == pytest.approx(2 - 2 * alike.log_likelihood)
     assert beta.bic == pytest.approx(2 * np.log(10) - 2 * beta.log_likelihood)
     assert alike.left_out < alike.log_likelihood

@@ -87,6 +87,16 @@ def _hats(value: FloatArray, points: int) -> FloatArray:
     return np.where(index == cell, 1.0 - part, 0.0) + np.where(index == cell + 1, part, 0.0)
 
 
+def draw_beta(mean: float, spread: float, count: int, rng: np.random.Generator) -> FloatArray:
+    """``[count]`` draws from a beta population; none of ``rng`` where everybody is alike."""
+    if spread == 0 or mean in (0.0, 1.0):
+        return np.full(count, mean)
+    if spread == 1:
+        return (rng.random(count) < mean).astype(np.float64)
+    k = (1.0 - spread) / spread
+    return rng.beta(mean * k, (1.0 - mean) * k, count)
+
+
 def standard_deviation(mean: float, spread: float) -> float:
     """The standard deviation of alpha in a beta population."""
     return float(np.sqrt(spread * mean * (1.0 - mean)))

@@ -1,4 +1,8 @@
-"""Models of people against each other: no adaptation, one alpha, a population; memories of k steps.
+"""Models of people against each other: fixed alpha, one alpha, a population; memories of k steps.
+
+"No adaptation" is alpha 0 for everybody, whatever they remember, and "full adaptation" alpha 1.
+These two leave nothing to fit. "All alike" is any one alpha, and the population a beta
+distribution.
 
 All are judged by the same inputs: the largest log likelihood, AIC and BIC (participants count as
 the independent observations), the log of the evidence with uniform priors over the parameters, of
@@ -57,13 +61,14 @@ class ModelScore:
 def compare_models(
     person: PersonModel, recordings: Recordings, memories: Sequence[int] = MEMORIES
 ) -> list[ModelScore]:
-    """Every model with every memory; those that know nothing of alpha need no memory but one."""
+    """Every model with every memory; those who never adapt need no memory but one."""
     scores: list[ModelScore] = []
     for memory in memories:
         model = replace(person.model, memory=memory)
         evidence = Evidence.of(replace(person, model=model), recordings)
         if not scores:
             scores.append(_score("no adaptation", memory, 0, evidence, np.array([0.0]), None))
+        scores.append(_score("full adaptation", memory, 0, evidence, np.array([1.0]), None))
         scores.append(_score("all alike", memory, 1, evidence, np.linspace(0, 1, 201), None))
         mean, spread = np.linspace(0, 1, MEANS), np.linspace(0, 1, SPREADS)
         scores.append(_score("beta population", memory, 2, evidence, mean, spread))

@@ -7,7 +7,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from coadapt.analysis.adaptability.beta import spread_of
+from coadapt.analysis.adaptability.beta import draw_beta, spread_of
 from coadapt.analysis.adaptability.draws import Design, draw_recordings
 from coadapt.analysis.adaptability.evidence import Evidence
 from coadapt.analysis.adaptability.intervals import LEVEL
@@ -128,7 +128,7 @@ def recover(
     together = max(1, DRAWN_AT_ONCE // participants)
     for first in range(0, studies, together):
         some = range(first, min(first + together, studies))
-        alpha = _draw_alpha(mean, spread, len(some) * participants, rng)
+        alpha = draw_beta(mean, spread, len(some) * participants, rng)
         everybody = Evidence.of(design.person, draw_recordings(design, alpha, rng))
         known = posterior(everybody)
         ends = known.interval(level)
@@ -154,12 +154,3 @@ def recover(
         individual=individual / (studies * participants),
         information=information / (studies * participants),
     )
-
-
-def _draw_alpha(mean: float, spread: float, count: int, rng: np.random.Generator) -> FloatArray:
-    if spread == 0 or mean in (0.0, 1.0):
-        return np.full(count, mean)
-    if spread == 1:
-        return (rng.random(count) < mean).astype(np.float64)
-    k = (1.0 - spread) / spread
-    return rng.beta(mean * k, (1.0 - mean) * k, count)

@@ -1,7 +1,8 @@
 """People who did the study's trials in one condition, many for every alpha: what experiments draw.
 
 An experiment is a draw: an alpha for each participant from the population, then what one of the
-people with that alpha did. So one simulation serves any population and any number of participants.
+people with that alpha did. So one simulation serves any population of alpha and any number of
+participants. How else people differ (`coadapt.analysis.experiment.people`) is drawn in the pool.
 """
 
 from __future__ import annotations
@@ -11,17 +12,20 @@ from dataclasses import dataclass
 import numpy as np
 
 from coadapt.analysis.adaptability.beta import alpha_grid
+from coadapt.analysis.experiment.people import People
 from coadapt.arrays import BoolArray, FloatArray, IntArray
-from coadapt.human import Adaptability
 from coadapt.robots import Robot
 from coadapt.simulation import simulate_batch
-from coadapt.simulation.partners import DrawnPartner
 
 POOL_POINTS = 21
 """Values of alpha, closer at the ends."""
 
 POOL_PEOPLE = 1000
 """For each value of alpha."""
+
+ALIKE = 5
+"""So many people with the same alpha share the rates drawn for them, where rates vary: to begin
+with another person takes as long as the trials of some twenty."""
 
 
 @dataclass(frozen=True)
@@ -94,23 +98,39 @@ def simulate_pool(
     protocol: Protocol,
     rng: np.random.Generator,
     *,
+    who: People | None = None,
     points: int = POOL_POINTS,
     people: int = POOL_PEOPLE,
 ) -> Pool:
-    """Simulate ``people`` with each of ``points`` values of alpha."""
+    """Simulate ``people`` with each of ``points`` values of alpha.
+
+    Args:
+        robot: whom they work with.
+        protocol: what they do.
+        rng: source of the draws.
+        who: how they deviate from the adaptation model; not at all if None.
+        points: values of alpha.
+        people: with each.
+    """
+    who = who or People()
+    together = min(people, ALIKE) if who.differ else people
+    begins = range(0, people, together)
     optimal_goal = robot.model.world.optimal_goal
     performance = np.empty((points, people))
     optimal = np.empty((points, people, protocol.trials), dtype=np.bool_)
     for j, alpha in enumerate(alpha_grid(points).tolist()):
-        found = simulate_batch(
-            robot,
-            DrawnPartner(Adaptability.over((alpha,)), protocol.first_mode),
-            people,
-            rng,
-            trials=protocol.trials,
-            carry_belief=protocol.carry_belief,
-            keep_mode=protocol.keep_mode,
-        )
-        performance[j] = found.reward.mean(axis=1)
-        optimal[j] = found.goal == optimal_goal
+        drawn = who.draw(alpha, protocol.first_mode, len(begins), rng)
+        for begin, person in zip(begins, drawn, strict=True):
+            some = slice(begin, min(begin + together, people))
+            found = simulate_batch(
+                robot,
+                person,
+                some.stop - begin,
+                rng,
+                trials=protocol.trials,
+                carry_belief=protocol.carry_belief,
+                keep_mode=protocol.keep_mode,
+            )
+            performance[j, some] = found.reward.mean(axis=1)
+            optimal[j, some] = found.goal == optimal_goal
     return Pool(performance, optimal)

@@ -30,8 +30,7 @@ def power(
     points: Sequence[PowerPoint],
     needed: Sequence[Needed],
     wanted: float,
-    mean: float,
-    sd: float,
+    population: str,
 ) -> Figure:
     """One curve for each of `QUESTIONS`, and the answer where the wanted power is reached."""
     figure = Figure(figsize=(6.4, 3.8))
@@ -88,8 +87,7 @@ def power(
     figure.text(
         0.71,
         0.13,
-        f"population of α: mean {mean:g}, SD {sd:g}\n"
-        f"points: {points[0].experiments:,} simulated\nexperiments each; bands: 95 %",
+        f"{population}\npoints: {points[0].experiments:,} simulated\nexperiments each; bands: 95 %",
         color=FIXED,
         fontsize=7,
         va="bottom",
