@@ -3,7 +3,9 @@
 #   Rscript tests/analysis/oracles/statistics.R > tests/analysis/oracles/statistics.json
 #
 # Base R and MASS, which comes with it. Where R has no function of its own the definition is written
-# out here, independently of coadapt's.
+# out here, independently of coadapt's. So are the studentised range and the noncentral F, which R
+# computes to about 1e-8 and 1e-9 (16-point quadrature in ptukey, 4 decimals in qtukey, a series that
+# ends at 1e-9 in pf); here they are integrated and summed to the end, and compared with R's own.
 
 suppressPackageStartupMessages(library(MASS))
 arguments <- commandArgs(FALSE)
@@ -16,14 +18,66 @@ solve_for <- function(f, lower, upper) {
   uniroot(f, c(lower, upper), tol = 1e-13, maxiter = 10000)$root
 }
 
+near <- function(found, known, tolerance) {
+  if (abs(found - known) > tolerance) stop(sprintf("%.17g is not %.17g", found, known))
+  found
+}
+
+# The noncentral F is a mixture of beta distributions, with weights of a Poisson distribution.
+noncentral_f <- function(f, df1, df2, l) {
+  j <- 0:ceiling(l / 2 + 40 * sqrt(l / 2 + 10))
+  x <- df1 * f / (df1 * f + df2)
+  near(sum(dpois(j, l / 2) * pbeta(x, df1 / 2 + j, df2 / 2)), pf(f, df1, df2, ncp = l), 1e-7)
+}
+
 # Limits of the noncentrality of an F, as shares of variance explained.
 explained <- function(f, df1, df2, n) {
   sapply(c(0.975, 0.025), function(q) {
     if (pf(f, df1, df2) <= q) return(0)
-    lambda <- solve_for(function(l) pf(f, df1, df2, ncp = l) - q, 0, 2000)
+    lambda <- solve_for(function(l) noncentral_f(f, df1, df2, l) - q, 0, 2000)
     lambda / (lambda + n)
   })
 }
+
+# The probability that the range of k normal values exceeds each of w. The smallest is z with density
+# k phi(z) u^(k-1), u = P(another > z); the others are within w with (u - v)^(k-1). By the
+# trapezoidal rule, whose error for what is smooth and falls off like exp(-z^2) is below 1e-16.
+range_tail <- function(w, k) {
+  step <- 0.1
+  z <- outer(seq(-10, 10, by = step), -w / 2, "+")  # most of it lies about -w / 2
+  u <- pnorm(z, lower.tail = FALSE)
+  v <- pnorm(z + rep(w, each = nrow(z)), lower.tail = FALSE)
+  step * colSums(k * dnorm(z) * u^(k - 1) * -expm1((k - 1) * log1p(-pmin(v / u, 1))))
+}
+
+# Divided by the square root of a chi-squared over its degrees of freedom: the studentised range.
+studentised_tail <- function(q, k, df) {
+  part <- function(s) {
+    density <- exp(log(2 * df * s) + dchisq(df * s^2, df, log = TRUE))
+    density * range_tail(q * s, k)
+  }
+  breaks <- c(0, sqrt(qchisq(c(1e-12, 1e-6, 1e-3, 0.1, 0.5, 0.9, 0.999, 1 - 1e-12), df) / df))
+  breaks <- c(breaks, tail(breaks, 1) * 2)
+  found <- sum(sapply(seq_len(length(breaks) - 1), function(i) {
+    integrate(part, breaks[i], breaks[i + 1], rel.tol = 1e-10, abs.tol = 1e-15,
+              subdivisions = 1000)$value
+  }))
+  near(found, ptukey(q, k, df, lower.tail = FALSE), 1e-7)
+}
+
+studentised_point <- local({
+  known <- list()
+  function(k, df) {
+    key <- sprintf("%d/%.17g", k, df)
+    if (is.null(known[[key]])) {
+      about <- qtukey(0.95, k, df)
+      found <- uniroot(function(q) studentised_tail(q, k, df) - 0.05, about + c(-1e-3, 1e-3),
+                       tol = 1e-12)$root
+      known[[key]] <<- near(found, about, 1e-4)
+    }
+    known[[key]]
+  }
+})
 
 cramer <- function(x2, df, n) {
   sapply(c(0.975, 0.025), function(q) {
@@ -101,8 +155,12 @@ for (d in unique(rows$dataset)) {
     q <- function(name) p(paste(names(groups)[i], names(groups)[j], name, sep = "/"))
     x <- groups[[i]]; z <- groups[[j]]
     row <- t[paste(names(groups)[j], names(groups)[i], sep = "-"), ]
-    put(q("tukey/difference"), -row["diff"]); put(q("tukey/p"), row["p adj"])
-    put(q("tukey/low"), -row["upr"]); put(q("tukey/high"), -row["lwr"])
+    error <- sqrt(within / ms_df / 2 * (1 / length(x) + 1 / length(z)))
+    apart <- mean(x) - mean(z); reach <- studentised_point(k, ms_df) * error
+    put(q("tukey/difference"), near(apart, -row["diff"], 1e-12))
+    put(q("tukey/p"), near(studentised_tail(abs(apart) / error, k, ms_df), row["p adj"], 1e-7))
+    put(q("tukey/low"), near(apart - reach, -row["upr"], 1e-4))
+    put(q("tukey/high"), near(apart + reach, -row["lwr"], 1e-4))
     put(q("g"), hedges(x, z))
     limits <- hedges_limits(x, z)
     put(q("g_low"), limits[1]); put(q("g_high"), limits[2])
@@ -111,7 +169,9 @@ for (d in unique(rows$dataset)) {
     df <- (vx + vz)^2 / (vx^2 / (length(x) - 1) + vz^2 / (length(z) - 1))
     range <- abs(mean(x) - mean(z)) / sqrt((vx + vz) / 2)
     put(q("games_howell/statistic"), range); put(q("games_howell/df"), df)
-    put(q("games_howell/p"), ptukey(range, k, df, lower.tail = FALSE))
+    put(q("games_howell/p"), studentised_tail(range, k, df))
+    reach <- studentised_point(k, df) * sqrt((vx + vz) / 2)
+    put(q("games_howell/low"), apart - reach); put(q("games_howell/high"), apart + reach)
 
     u <- suppressWarnings(wilcox.test(x, z))
     put(q("mann_whitney/U1"), u$statistic); put(q("mann_whitney/p"), u$p.value)
