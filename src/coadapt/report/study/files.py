@@ -7,12 +7,11 @@ from matplotlib.figure import Figure
 from coadapt.analysis.analyse import Analysis
 from coadapt.analysis.record import to_json
 from coadapt.report.figures import style
-from coadapt.report.study.looks import spoken
+from coadapt.report.study.latex import latex_files
 from coadapt.report.study.page import render_page
 from coadapt.report.study.panels import panels
-from coadapt.report.study.tables import escaped, latex, summaries, tables, tests
+from coadapt.report.study.tables import tables
 from coadapt.report.study.timelines import MOST_PEOPLE, timelines, with_courses
-from coadapt.report.study.words import method
 from coadapt.report.write import NUMBERS, PAGE
 
 
@@ -34,21 +33,6 @@ def make_study_files(found: Analysis) -> dict[str, bytes]:
         }
     svgs = {name: files[f"figures/{name}.svg"].decode() for name in drawn}
     files |= {f"tables/{data.name}.csv": data.csv() for data in tables(found)}
-    files |= _latex(found)
+    files |= latex_files(found)
     files[NUMBERS] = to_json(found)
     return {PAGE: render_page(found, svgs, shown, sorted(files)).encode(), **files}
-
-
-def _latex(found: Analysis) -> dict[str, bytes]:
-    sentences = [spoken(f"{row[-1]}", found.data.conditions) for row in tests(found).rows]
-    columns = ("outcome", "groups", "test", "statistic", "p_adjusted", "effect", "effect_value")
-    return {
-        "tables/measures.tex": latex(
-            summaries(found), ("measure", "condition", "n", "mean", "sd", "median"), "Measures"
-        ),
-        "tables/tests.tex": latex(
-            tests(found), (*columns, "effect_low", "effect_high"), "Tests", digits=3
-        ),
-        "tables/sentences.tex": "\n\n".join(escaped(s) for s in sentences).encode() + b"\n",
-        "tables/method.tex": escaped(method(found)).encode() + b"\n",
-    }

@@ -1,4 +1,4 @@
-"""The tables of the report: one form for CSV files, LaTeX and the page."""
+"""The tables of the report: one form for CSV files and the page."""
 
 from __future__ import annotations
 
@@ -12,8 +12,6 @@ import msgspec
 from coadapt.analysis.analyse import Analysis
 from coadapt.analysis.measures import PersonMeasures, TrialMeasures
 from coadapt.analysis.tests import Found, TestResult
-from coadapt.report.html import fixed
-from coadapt.report.study.looks import title_of
 
 Cell = str | float | int | bool | None
 
@@ -177,63 +175,6 @@ def courses(found: Analysis) -> Data:
     return Data("courses", (*columns, "disagreement", "towards_optimal", *beliefs), tuple(rows))
 
 
-def latex(data: Data, columns: Sequence[str], caption: str, digits: int = 2) -> bytes:
-    """Some columns of a table for a LaTeX document with the package booktabs."""
-    places = [data.columns.index(name) for name in columns]
-    lines = [
-        r"% requires \usepackage{booktabs}",
-        r"\begin{table}",
-        r"\caption{" + escaped(caption) + "}",
-        r"\begin{tabular}{" + "l" + "r" * (len(columns) - 1) + "}",
-        r"\toprule",
-        " & ".join(escaped(title_of(name)) for name in columns) + r" \\",
-        r"\midrule",
-    ]
-    for row in data.rows:
-        cells = [_short(row[i], digits) for i in places]
-        lines.append(" & ".join(map(escaped, cells)) + r" \\")
-    lines += [r"\bottomrule", r"\end{tabular}", r"\end{table}", ""]
-    return "\n".join(lines).encode()
-
-
-SIGNS = {
-    "\\": r"\textbackslash{}",
-    "&": r"\&",
-    "%": r"\%",
-    "$": r"\$",
-    "#": r"\#",
-    "_": r"\_",
-    "{": r"\{",
-    "}": r"\}",
-    "~": r"\textasciitilde{}",
-    "^": r"\textasciicircum{}",
-    "<": "$<$",
-    ">": "$>$",
-    "|": r"\textbar{}",
-    "−": "$-$",
-    "±": r"$\pm$",
-    "×": r"$\times$",
-    "≥": r"$\geq$",
-    "≤": r"$\leq$",
-    "²": r"\textsuperscript{2}",
-    "χ": r"$\chi$",
-    "ε": r"$\varepsilon$",
-    "η": r"$\eta$",
-    "ω": r"$\omega$",
-    "α": r"$\alpha$",
-    "ρ": r"$\rho$",
-    "’": "'",
-    "“": "``",
-    "”": "''",
-}
-"""What LaTeX needs for signs that are its own, or that its fonts do not have."""
-
-
-def escaped(text: str) -> str:
-    """``text`` for LaTeX."""
-    return "".join(SIGNS.get(sign, sign) for sign in text)
-
-
 def _structs(name: str, kind: type[msgspec.Struct], rows: Sequence[msgspec.Struct]) -> Data:
     columns = tuple(field.name for field in msgspec.structs.fields(kind))
     return Data(name, columns, tuple(msgspec.structs.astuple(row) for row in rows))
@@ -245,9 +186,3 @@ def _plain(cell: Cell) -> str:
     if isinstance(cell, bool):
         return "true" if cell else "false"
     return repr(cell) if isinstance(cell, float) else str(cell)
-
-
-def _short(cell: Cell, digits: int) -> str:
-    if cell is None:
-        return "–"
-    return fixed(cell, digits) if isinstance(cell, float) else _plain(cell)
