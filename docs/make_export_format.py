@@ -25,11 +25,13 @@ CONTENTS = {
     "`documentation/codebook.md`, `.json`": "what every column means",
     "`materials/study.toml`": "the protocol",
     "`materials/model.json`": "names of states, goals, inputs and actions, and the values of "
-    "adaptability, each in the order of its numbers",
+    "adaptability, each in the order of its numbers; `disagreement_cost`, the C of Eq. 8 that "
+    "robots planned with",
     "`materials/robots.json`": "for each condition and chosen goal, what the robot was built from "
     "(`coadapt.robots.task_setup.TaskSetup`)",
     "`export.json`": "for programs: `format`, version of coadapt, hash of the protocol, numbers "
-    "of sessions and rows",
+    "of sessions and rows; `protocol_changes`, accepted since the first participant came, and "
+    "`protocol_edited`, what differs from what participants were last served",
 }
 
 FILES = "\n".join(

@@ -12,7 +12,7 @@ import pytest
 from coadapt.analysis.analyse import Analysis, analyse, deviations_of, plan_of
 from coadapt.analysis.data import read_data
 from coadapt.analysis.measures import (
-    DISAGREEMENT_COST,
+    PAPER_COST,
     person_measures,
     reliabilities,
     scale_scores,
@@ -22,6 +22,7 @@ from coadapt.analysis.record import to_json
 from coadapt.analysis.tests import NotTested, TestResult
 from coadapt.analysis.tests.power import smallest_effect
 from coadapt.analysis.verdicts import put_to_test
+from coadapt.report.study.files import make_study_files
 from coadapt.study.protocol.reader import template
 from tests.analysis.exported import EACH, Tables, export
 
@@ -52,7 +53,7 @@ def test_measures(found: Analysis) -> None:
     assert (person.optimal_trials, person.switched, person.switch_trial) == (1, True, 1)
     assert (person.steps, person.seconds, person.inputs, person.disagreements) == (3, 4.5, 3, 1)
     # Three steps with an agreement of .75 each.
-    assert person.cost == pytest.approx(DISAGREEMENT_COST * 0.75)
+    assert person.cost == pytest.approx(PAPER_COST * 0.75)
     # 0 · .25 + .5 · .25 + 1 · .5
     assert person.alpha == pytest.approx(0.625)
     trial = next(t for t in found.trials if t.participant == "p02" and t.trial == 1)
@@ -206,3 +207,32 @@ def test_smallest_effect_is_found_as_often_as_it_says(
     )
     # Three standard errors of a share of .8 in 2,000 are .027.
     assert (found.pvalue < 0.05).mean() == pytest.approx(expected, abs=0.027)
+
+
+def test_what_newer_exports_say_of_the_robots_and_the_protocol(tmp_path: Path) -> None:
+    folder = export(tmp_path / "x")
+    older = analyse(read_data(folder))
+    assert older.data.disagreement_cost is None
+    assert older.data.notes == ()
+    for name, more in (
+        ("materials/model.json", {"disagreement_cost": -0.5}),
+        (
+            "export.json",
+            {
+                "protocol_changes": [{"at": "2026-05-04T10:00:00+00:00", "values": ["trials"]}],
+                "protocol_edited": ["title", "rewards.optimal"],
+            },
+        ),
+    ):
+        path = folder / name
+        path.write_text(json.dumps({**json.loads(path.read_text()), **more}))
+    found = analyse(read_data(folder))
+    for trial, before in zip(found.trials, older.trials, strict=True):
+        assert before.cost == pytest.approx(PAPER_COST * (before.expected_disagreement or 0))
+        assert trial.cost == pytest.approx(-0.5 * (trial.expected_disagreement or 0))
+    changed, edited = found.data.notes
+    assert "on 2026-05-04T10:00:00+00:00: trials" in changed
+    assert "title, rewards.optimal" in edited
+    page = make_study_files(found)["report.html"].decode()
+    assert "times C = −0.50,\nthat of the robots" in page
+    assert changed in page

@@ -16,8 +16,8 @@ from coadapt.analysis.data import Person, StudyData, Trial
 from coadapt.analysis.scales import Reliability, reliability, scores, turned
 from coadapt.arrays import FloatArray
 
-DISAGREEMENT_COST = -0.32
-"""``C`` of Eq. 8 (Sec. 6.5), which makes the expected disagreement of a trial a cost."""
+PAPER_COST = -0.32
+"""``C`` of Eq. 8 (Sec. 6.5), taken where the data do not say that of the robots."""
 
 LIKELIER = 0.5
 """Belief above which a goal is the likelier of two."""
@@ -33,7 +33,7 @@ class TrialMeasures(msgspec.Struct, frozen=True, kw_only=True):
         wanted the goal
             it holds to be better, in trials in which they switched.
         expected_disagreement: sum over the steps of the probability that both wanted different
-            goals. cost: that times `DISAGREEMENT_COST`. alpha: mean of the robot's belief over
+            goals. cost: that times `disagreement_cost`. alpha: mean of the robot's belief over
             adaptability at the end; None of robots that infer none.
     """
 
@@ -86,10 +86,15 @@ class PersonMeasures(msgspec.Struct, frozen=True, kw_only=True):
     checks_failed: int
 
 
+def disagreement_cost(data: StudyData) -> float:
+    """``C`` of Eq. 8, which makes the expected disagreement of a trial a cost."""
+    return PAPER_COST if data.disagreement_cost is None else data.disagreement_cost
+
+
 def trial_measures(data: StudyData) -> tuple[TrialMeasures, ...]:
     """Every finished trial in numbers."""
     return tuple(
-        _trial(person, trial, data.adaptability)
+        _trial(person, trial, data.adaptability, disagreement_cost(data))
         for person in data.people
         for trial in person.trials
     )
@@ -151,7 +156,9 @@ def reliabilities(data: StudyData) -> tuple[Reliability, ...]:
     )
 
 
-def _trial(person: Person, trial: Trial, alphas: Sequence[float]) -> TrialMeasures:
+def _trial(
+    person: Person, trial: Trial, alphas: Sequence[float], unit_cost: float
+) -> TrialMeasures:
     disagreement = [s.disagreement for s in trial.course if s.disagreement is not None]
     expected = sum(disagreement) if trial.course and disagreement else None
     return TrialMeasures(
@@ -169,7 +176,7 @@ def _trial(person: Person, trial: Trial, alphas: Sequence[float]) -> TrialMeasur
         disagreements=trial.disagreements,
         matched=trial.matched,
         expected_disagreement=expected,
-        cost=None if expected is None else DISAGREEMENT_COST * expected,
+        cost=None if expected is None else unit_cost * expected,
         alpha=_alpha(trial, alphas),
     )
 

@@ -8,6 +8,7 @@ from hashlib import sha256
 from pathlib import Path
 from typing import Literal, NamedTuple, Self, cast
 
+from coadapt.study.changes import Change, changes_in
 from coadapt.study.protocol import Study
 from coadapt.study.session.events import Noted
 from coadapt.study.session.machine import advance
@@ -16,6 +17,9 @@ from coadapt.study.store import Kept, Row, Store
 
 SIMULATED = "simulated"
 """`Noted.what` of a session that no real person takes part in."""
+
+SERVED = "protocol"
+"""The setting that holds protocol and task as they are for the participants."""
 
 MINUTE = 60.0
 
@@ -111,6 +115,8 @@ class Stored:
         is_mixed: whether both real people and programs take part.
         deleted: when sessions were deleted, in seconds since 1970.
         removed: when simulated sessions were last removed; 0 if never.
+        served: protocol and task as participants were last served them, JSON; None if never.
+        changes: of the protocol, accepted since the first participant came.
     """
 
     directory: Path
@@ -119,6 +125,8 @@ class Stored:
     is_mixed: bool = False
     deleted: tuple[float, ...] = ()
     removed: float = 0.0
+    served: str | None = None
+    changes: tuple[Change, ...] = ()
 
     @classmethod
     def of(cls, directory: Path, study: Study, store: Store) -> Self:
@@ -134,4 +142,13 @@ class Stored:
 
         simulated = len(store.noted(SIMULATED))
         is_mixed = 0 < simulated < len(store.rows())
-        return cls(directory, study, records, is_mixed, store.deleted(), store.removed())
+        return cls(
+            directory,
+            study,
+            records,
+            is_mixed,
+            store.deleted(),
+            store.removed(),
+            store.setting(SERVED),
+            changes_in(store),
+        )

@@ -248,7 +248,8 @@ def test_counts_of_the_manifest(tmp_path: Path) -> None:
     counts = manifest.counts
     assert (counts.sessions, counts.included, counts.deleted) == (6, 2, 3)
     assert sum(counts.standing.values()) == 6
-    assert json.loads((tmp_path / "e/export.json").read_text()) == msgspec.to_builtins(manifest)
+    written = (tmp_path / "e/export.json").read_bytes()
+    assert msgspec.json.decode(written, type=Manifest) == manifest
     assert isinstance(manifest, Manifest)
     assert "3 sessions were deleted" in (tmp_path / "e/README.md").read_text()
 

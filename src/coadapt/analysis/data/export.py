@@ -25,10 +25,34 @@ STEP = ("participant", "stage", "number", "counts", "step", "belief", "input", "
 """Columns that each table must have; others are used where they are there."""
 
 
+class Change(msgspec.Struct, frozen=True, kw_only=True):
+    """A change of the protocol: when, and of which values."""
+
+    at: str
+    values: tuple[str, ...]
+
+
 class Manifest(msgspec.Struct, frozen=True, kw_only=True):
     """What of ``export.json`` is needed here."""
 
     protocol_sha256: str = ""
+    protocol_changes: tuple[Change, ...] = ()
+    protocol_edited: tuple[str, ...] = ()
+
+    @property
+    def notes(self) -> tuple[str, ...]:
+        """What a reader must know of the protocol."""
+        notes = [
+            f"The protocol was changed while participants came, on {change.at}: "
+            f"{', '.join(change.values)}."
+            for change in self.protocol_changes
+        ]
+        if self.protocol_edited:
+            notes.append(
+                "Values of the protocol differ from what participants were last served: "
+                f"{', '.join(self.protocol_edited)}."
+            )
+        return tuple(notes)
 
 
 class Model(msgspec.Struct, frozen=True, kw_only=True):
@@ -36,6 +60,7 @@ class Model(msgspec.Struct, frozen=True, kw_only=True):
 
     goals: tuple[str, ...] = ()
     adaptability: tuple[float, ...] = ()
+    disagreement_cost: float | None = None
 
 
 Kind = TypeVar("Kind")
@@ -83,8 +108,9 @@ def from_export(
         people=tuple(people),
         flow=reader.flow(people, conditions),
         problems=tuple(reader.problems),
-        notes=tuple(reader.notes),
+        notes=manifest.notes,
         adaptability=model.adaptability,
+        disagreement_cost=model.disagreement_cost,
     )
 
 
@@ -97,7 +123,6 @@ class _Reader:
         self._declared, self._model = declared, model
         self.conditions = tuple(c.name for c in declared.conditions)
         self.problems: list[Problem] = []
-        self.notes: list[str] = []
         self.left_out: Counter[str] = Counter()
         self._people = self._table(folder, "participants", PERSON)
         self._trials = self._by_person(self._table(folder, "trials", TRIAL))

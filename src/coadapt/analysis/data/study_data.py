@@ -116,6 +116,8 @@ class StudyData(msgspec.Struct, frozen=True, kw_only=True):
         problems: what is wrong in the data, and what was done about it.
         notes: what a reader must know of these data.
         adaptability: the values of α that beliefs are about.
+        disagreement_cost: ``C`` of Eq. 8 that the robots planned with; None where the data do not
+            say.
     """
 
     form: str
@@ -131,6 +133,7 @@ class StudyData(msgspec.Struct, frozen=True, kw_only=True):
     problems: tuple[Problem, ...] = ()
     notes: tuple[str, ...] = ()
     adaptability: tuple[float, ...] = ()
+    disagreement_cost: float | None = None
 
     def of(self, condition: str) -> tuple[Person, ...]:
         """Those in a condition."""

@@ -7,7 +7,7 @@ from functools import partial
 
 from coadapt import __version__
 from coadapt.analysis.analyse import Analysis
-from coadapt.analysis.measures import DISAGREEMENT_COST
+from coadapt.analysis.measures import disagreement_cost
 from coadapt.analysis.scales import Reliability
 from coadapt.analysis.tests import Check, Effect, Found, Group, TestResult, apa
 from coadapt.report.html import Grid, environment, fixed, inline_svg, percent
@@ -43,7 +43,7 @@ def render_page(
         title=data.declared.title or data.source,
         people=len(data.people),
         conditions=data.conditions,
-        cost=DISAGREEMENT_COST,
+        cost=disagreement_cost(data),
         facts=_facts(found),
         left_out=sum(data.flow.left_out.values()),
         figure={name: inline_svg(text, name) for name, text in svgs.items()},

@@ -43,6 +43,8 @@ from coadapt.study.export.tables import (
 )
 from coadapt.study.protocol.reader import FILE, study_task
 from coadapt.study.record import Stored
+from coadapt.study.server.unchanged import differences
+from coadapt.tasks import Task
 
 PRIVATE = frozenset({"declined", "withdrawn"})
 """Standings of those whose doings are left out."""
@@ -96,6 +98,14 @@ def _new_folder(target: Path) -> Generator[Path]:
     finally:
         shutil.rmtree(draft, ignore_errors=True)
         shutil.rmtree(old, ignore_errors=True)
+
+
+def _edited(stored: Stored, task: Task) -> tuple[str, ...]:
+    """Names of the values that are not as participants were last served them."""
+    if stored.served is None:
+        return ()
+    now = msgspec.json.encode({"study": stored.study, "task": task})
+    return tuple(differences(msgspec.json.decode(stored.served), msgspec.json.decode(now)))
 
 
 def _write_logs(logs: Logs, trials: list[TrialRow], steps: list[StepRow]) -> None:
@@ -155,6 +165,8 @@ def _write(
         format=FORMAT,
         coadapt=__version__,
         protocol_sha256=sha256(protocol).hexdigest(),
+        protocol_changes=stored.changes,
+        protocol_edited=_edited(stored, task),
         exported=datetime.fromtimestamp(now, UTC).isoformat(timespec="seconds"),
         counts=Counts(
             sessions=standings.total(),

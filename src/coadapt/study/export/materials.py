@@ -9,6 +9,7 @@ from typing import Any
 import msgspec
 
 from coadapt import __version__
+from coadapt.study.changes import Change
 from coadapt.study.export import codebook
 from coadapt.study.export.files import csv_name
 from coadapt.study.export.names import Names
@@ -48,6 +49,9 @@ class Manifest(msgspec.Struct, frozen=True, kw_only=True):
         format: version of the format.
         coadapt: version of the program that wrote it.
         protocol_sha256: of ``materials/study.toml``.
+        protocol_changes: those accepted since the first participant came: when, and which values.
+        protocol_edited: names of the values of protocol and task that differ now from what
+            participants were last served.
         exported: when, UTC, ISO 8601.
         counts: of the sessions.
         rows: of each table.
@@ -56,6 +60,8 @@ class Manifest(msgspec.Struct, frozen=True, kw_only=True):
     format: int
     coadapt: str
     protocol_sha256: str
+    protocol_changes: tuple[Change, ...] = ()
+    protocol_edited: tuple[str, ...] = ()
     exported: str
     counts: Counts
     rows: dict[str, int]
@@ -105,6 +111,7 @@ def _model(names: Names) -> Mapping[str, Any]:
         "inputs": list(names.inputs),
         "actions": list(names.actions),
         "adaptability": model.alpha.values.tolist(),
+        "disagreement_cost": model.disagreement_cost,
     }
 
 
@@ -167,7 +174,8 @@ cell is a missing value, lists are JSON. Every column is explained in `documenta
 as `coadapt fit` and `coadapt replay` read them.
 
 `materials/study.toml` is the protocol. `materials/model.json` names states, goals, inputs, actions
-and the values of adaptability, in the order of their numbers in the tables.
+and the values of adaptability, in the order of their numbers in the tables, and holds the cost C of
+a disagreement (Eq. 8) that the robots planned with.
 `materials/robots.json` holds what the robots were built from. `export.json` describes this export
 for programs.
 """
