@@ -8,7 +8,7 @@ import pytest
 from coadapt import SimulatedPartner, evaluate, simulate
 from coadapt.analysis.adaptability import Evidence, PersonModel, Recordings, posterior
 from coadapt.analysis.adaptability.draws import Design, draw_recordings
-from coadapt.analysis.adaptability.recovery import recover
+from coadapt.analysis.adaptability.recovery import recover, recover_weights
 from coadapt.robots import NEVER_MATCH, MutualAdaptation
 from tests.robots.worlds import MODEL, towards_the_likelier
 
@@ -69,12 +69,36 @@ def test_studies_recover_the_population() -> None:
     design = Design(ROBOT, PersonModel(MODEL, mode_lasts=True), trials=3)
     found = recover(design, 0.6, 0.2, 150, 20, np.random.default_rng(0))
     again = recover(design, 0.6, 0.2, 150, 20, np.random.default_rng(0))
-    np.testing.assert_array_equal(found.estimate, again.estimate)
-    assert abs(found.bias) < 4 * found.estimate.std() / np.sqrt(20)
-    assert found.coverage >= 0.7  # below it with a chance of 3e-4 if it is 0.95
-    low, high = found.coverage_interval
-    assert low <= found.coverage <= high
-    assert np.all(found.low <= found.high)
+    np.testing.assert_array_equal(found.mean.estimate, again.mean.estimate)
+    assert found.sd is not None
+    np.testing.assert_array_equal(found.sd.estimate, found.estimated_sd)
+    for number, true in ((found.mean, 0.6), (found.sd, 0.2)):
+        assert number.true == true
+        assert abs(number.bias) < 4 * number.estimate.std() / np.sqrt(20)
+        assert number.coverage >= 0.7  # below it with a chance of 3e-4 if it is 0.95
+        low, high = number.coverage_interval
+        assert low <= number.coverage <= high
+        assert np.all((number.low <= number.estimate) & (number.estimate <= number.high))
+
+
+def test_studies_recover_the_weights() -> None:
+    design = Design(ROBOT, PersonModel(MODEL, mode_lasts=True), trials=3)
+    values, weights = (0.0, 0.5, 1.0), (0.3, 0.2, 0.5)
+    found = recover_weights(design, values, weights, 150, 20, np.random.default_rng(0))
+    assert tuple(number.true for number in found) == weights
+    np.testing.assert_allclose(sum(number.estimate for number in found), 1.0)
+    for number in found:
+        assert number.studies == 20
+        assert abs(number.bias) < 4 * number.estimate.std() / np.sqrt(20) + 0.02
+        assert number.coverage >= 0.7  # as above
+
+
+def test_where_all_are_alike_no_deviation_is_asked_for() -> None:
+    design = Design(ROBOT, PersonModel(MODEL, mode_lasts=True))
+    found = recover(design, 1.0, 0.0, 20, 3, np.random.default_rng(0))
+    assert found.sd is None
+    assert found.true_sd == 0
+    assert len(found.estimated_sd) == found.mean.studies == 3
 
 
 def test_bad_numbers_are_refused() -> None:

@@ -28,7 +28,7 @@ def recovery(found: Sequence[Recovery]) -> Figure:
         (True, MUTUAL, "o", "everybody alike"),
         (False, PATH, "s", "a spread population"),
     ):
-        some = sorted((r for r in found if (r.sd == 0) == alike), key=lambda r: r.mean)
+        some = sorted((r for r in found if (r.sd is None) == alike), key=lambda r: r.mean.true)
         if some:
             _draw(left, middle, right, some, color, marker, label)
     left.plot([0, 1], [0, 1], color=MUTED, linewidth=0.8, zorder=0)
@@ -59,14 +59,15 @@ def _draw(
     marker: str,
     label: str,
 ) -> None:
-    mean = np.array([r.mean for r in some])
+    means = [r.mean for r in some]
+    true = np.array([r.true for r in means])
     style: dict[str, Any] = {"color": color, "markersize": 3.8, "elinewidth": 1.0}
     style["markeredgewidth"] = 0
-    centre = np.array([np.median(r.estimate) for r in some])
-    ends = np.array([np.quantile(r.estimate, (0.025, 0.975)) for r in some]).T
+    centre = np.array([np.median(r.estimate) for r in means])
+    ends = np.array([np.quantile(r.estimate, (0.025, 0.975)) for r in means]).T
     reach = np.abs(ends - centre)
-    left.errorbar(mean, centre, yerr=reach, fmt=marker, capsize=1.8, label=label, **style)
-    share = np.array([r.coverage for r in some])
-    bounds = np.array([r.coverage_interval for r in some]).T
-    middle.errorbar(mean, share, yerr=np.abs(bounds - share), fmt=marker, capsize=1.8, **style)
-    right.plot(mean, [r.width for r in some], marker, color=color, markersize=3.8)
+    left.errorbar(true, centre, yerr=reach, fmt=marker, capsize=1.8, label=label, **style)
+    share = np.array([r.coverage for r in means])
+    bounds = np.array([r.coverage_interval for r in means]).T
+    middle.errorbar(true, share, yerr=np.abs(bounds - share), fmt=marker, capsize=1.8, **style)
+    right.plot(true, [r.width for r in means], marker, color=color, markersize=3.8)
