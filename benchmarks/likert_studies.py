@@ -1,12 +1,13 @@
 """Simulated questionnaires: does each test find what is there, and nothing where nothing is?
 
-    python benchmarks/likert_studies.py --null 2000 --studies 500
+    python benchmarks/likert_studies.py --null 10000 --slow 2000 --studies 500
 
 A participant has a level, normal with variance 1, which their condition may shift. Each item of a
 scale is that level plus noise, cut into five points. A score is the mean of the items. With no
-shift a test at the level of 5 % should be significant in 5 % of the studies. With shifts of 0, 0.5
-and 1 the population's effects are found from a million participants, and the intervals should hold
-them in 95 % of the studies.
+shift a test at the level of 5 % should be significant in 5 % of the studies; a family of tests
+whose p are corrected by Bonferroni's inequality in at most so many. With shifts of 0, 0.5 and 1 the
+population's effects are found from a million participants, and the intervals should hold them in
+95 % of the studies.
 """
 
 from __future__ import annotations
@@ -19,6 +20,7 @@ import numpy as np
 
 from coadapt.analysis import tests as ct
 from coadapt.analysis.scales import cronbach
+from coadapt.analysis.shares import share_interval
 from coadapt.analysis.tests.samples import CannotTest
 
 SIZES = (17, 17, 17)
@@ -35,6 +37,9 @@ NOISE = 1.0
 SLOW = ("Games-Howell, any of 3", "cumulative logit")
 """Tests that take a tenth of a second and more, run on fewer studies."""
 
+AT_MOST = ("Mann-Whitney, either of 2, Bonferroni",)
+"""Families whose rate the level bounds. Others are to come near it."""
+
 SHIFTS = (0.0, 0.5, 1.0)
 
 LEVEL = 0.05
@@ -42,17 +47,22 @@ LEVEL = 0.05
 NAMES = ("a", "b", "c")
 
 
-def ratings(n: int, shift: float, rng: np.random.Generator) -> np.ndarray:
+def ratings(n: int, shift: float, rng: np.random.Generator, items: int = ITEMS) -> np.ndarray:
     """Points from 1 to 5.  # [participants, items]"""
     level = rng.normal(shift, 1.0, n)
-    return 1.0 + np.searchsorted(CUTS, level[:, None] + rng.normal(0.0, NOISE, (n, ITEMS)))
+    return 1.0 + np.searchsorted(CUTS, level[:, None] + rng.normal(0.0, NOISE, (n, items)))
 
 
-def study(shifts: Sequence[float], rng: np.random.Generator) -> dict[str, list[float]]:
+def study(
+    shifts: Sequence[float],
+    rng: np.random.Generator,
+    sizes: Sequence[int] = SIZES,
+    items: int = ITEMS,
+) -> dict[str, list[float]]:
     """Scores by group."""
     return {
-        name: ratings(n, shift, rng).mean(axis=1).tolist()
-        for name, n, shift in zip(NAMES, SIZES, shifts, strict=True)
+        name: ratings(n, shift, rng, items).mean(axis=1).tolist()
+        for name, n, shift in zip(NAMES, sizes, shifts, strict=True)
     }
 
 
@@ -68,12 +78,12 @@ def significant(test: Callable[[], object]) -> bool:
 
 def tests_of(groups: dict[str, list[float]]) -> dict[str, Callable[[], object]]:
     """Every test of a study."""
-    two = {name: groups[name] for name in NAMES[:2]}
     high = {name: (sum(v > 3 for v in given), len(given)) for name, given in groups.items()}
     pairs = [{n: groups[n] for n in pair} for pair in (("a", "b"), ("b", "c"))]
     return {
         "Kruskal-Wallis": lambda: ct.kruskal_wallis(groups),
-        "Mann-Whitney, one pair": lambda: ct.mann_whitney(two),
+        "Mann-Whitney, a and b": lambda: ct.mann_whitney(pairs[0]),
+        "Mann-Whitney, b and c": lambda: ct.mann_whitney(pairs[1]),
         "Mann-Whitney, either of 2, Bonferroni": lambda: ct.correct(
             [ct.mann_whitney(pair) for pair in pairs], "bonferroni"
         ),
@@ -86,14 +96,14 @@ def tests_of(groups: dict[str, list[float]]) -> dict[str, Callable[[], object]]:
     }
 
 
-def false_positives(count: int, slow: int, seed: int) -> None:
+def false_positives(count: int, slow: int, seed: int, sizes: Sequence[int], items: int) -> None:
     """Print how often each test is significant where nothing differs."""
     rng = np.random.default_rng(seed)
     hits: dict[str, int] = {}
     spent: dict[str, float] = {}
     runs: dict[str, int] = {}
     for i in range(count):
-        for name, test in tests_of(study((0.0, 0.0, 0.0), rng)).items():
+        for name, test in tests_of(study((0.0, 0.0, 0.0), rng, sizes, items)).items():
             if name in SLOW and i >= slow:
                 continue
             runs[name] = i + 1
@@ -106,13 +116,17 @@ def false_positives(count: int, slow: int, seed: int) -> None:
         # Equivalence is falsely claimed most often where the difference is just the bound.
         x, y = rng.normal(0.0, 0.7, 17), rng.normal(bound, 0.7, 17)
         inside += significant(lambda x=x, y=y: ct.equivalence({"a": x, "b": y}, bound))
-    print(f"\nNothing differs, groups of {SIZES}, level {LEVEL:.0%}\n")
-    print("| test | studies | significant | CPU ms a test |")
-    print("| --- | --- | --- | --- |")
+    print(f"\nNothing differs, groups of {sizes}, scales of {items}, level {LEVEL:.0%}\n")
+    hits["equivalence, at its bound"], runs["equivalence, at its bound"] = inside, count
+    print("| test | studies | significant | 95 % interval of that | CPU ms a test |")
+    print("| --- | --- | --- | --- | --- |")
     for name, hit in hits.items():
         n = runs[name]
-        print(f"| {name} | {n:,} | {hit / n:.2%} | {1000 * spent[name] / n:.1f} |")
-    print(f"| equivalence, at its bound | {count:,} | {inside / count:.2%} | |", flush=True)
+        low, high = share_interval(hit, n)
+        took = f"{1000 * spent[name] / n:.1f}" if name in spent else ""
+        bound = "at most 5 %: " if name in AT_MOST else ""
+        print(f"| {name} | {n:,} | {bound}{hit / n:.2%} | {low:.2%} to {high:.2%} | {took} |")
+    print(flush=True)
 
 
 def population(rng: np.random.Generator) -> dict[str, float]:
@@ -183,13 +197,16 @@ def recovery(count: int, seed: int) -> None:
 def main() -> None:
     """Print the tables."""
     parser = argparse.ArgumentParser(description=(__doc__ or "").splitlines()[0])
-    parser.add_argument("--null", type=int, default=2000, help="studies without a difference")
+    parser.add_argument("--null", type=int, default=10_000, help="studies without a difference")
     parser.add_argument("--studies", type=int, default=500, help="studies with one")
-    parser.add_argument("--slow", type=int, default=200, help="of these, for the slow tests")
+    parser.add_argument("--slow", type=int, default=2000, help="of these, for the slow tests")
+    parser.add_argument("--sizes", type=int, nargs=3, default=SIZES, help="of the groups without")
+    parser.add_argument("--items", type=int, default=ITEMS, help="of the scales there")
     parser.add_argument("--seed", type=int, default=0)
     options = parser.parse_args()
-    false_positives(options.null, options.slow, options.seed)
-    recovery(options.studies, options.seed + 1)
+    false_positives(options.null, options.slow, options.seed, tuple(options.sizes), options.items)
+    if options.studies:
+        recovery(options.studies, options.seed + 1)
 
 
 if __name__ == "__main__":

@@ -145,7 +145,9 @@ for (d in unique(rows$dataset)) {
   fit <- polr(factor(y, ordered = TRUE) ~ g, control = list(reltol = 1e-15, maxit = 5000))
   if (length(unique(y)) <= 10) {
     null <- sum(table(y) * log(table(y) / n))
-    put(p("logit/statistic"), 2 * (as.numeric(logLik(fit)) - null))
+    ratio <- 2 * (as.numeric(logLik(fit)) - null)
+    put(p("logit/statistic"), ratio)
+    put(p("logit/p"), pf(ratio / (k - 1), k - 1, n - k, lower.tail = FALSE))
   }
 
   t <- TukeyHSD(aov(y ~ g))$g

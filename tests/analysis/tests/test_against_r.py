@@ -145,7 +145,9 @@ def test_proportions(name: str) -> None:
 @pytest.mark.parametrize("name", [n for n in DATASETS if f"{n}/logit/statistic" in from_r()])
 def test_cumulative_logit(name: str) -> None:
     # MASS::polr, which ends its search at a relative change of 1e-15.
-    same(cumulative_logit(samples()[name]).statistic, f"{name}/logit/statistic")
+    found = cumulative_logit(samples()[name])
+    same(found.statistic, f"{name}/logit/statistic")
+    same(found.p, f"{name}/logit/p")
 
 
 @pytest.mark.parametrize("name", sorted(items()))

@@ -4,7 +4,10 @@ Cumulative logits (McCullagh 1980) use the order of the scores alone:
 
     log P(score ≤ j) / P(score > j) = θ_j - β_group
 
-The groups are compared by the likelihood ratio of the models with and without β.
+The groups are compared by the likelihood ratio χ² of the models with and without β. Its
+distribution is that of χ² in large samples only. In groups of 17, with many different scores, it is
+too large in 5.8 % of the studies without a difference, not in 5 %; so χ² / (k - 1) is compared with
+F(k - 1, N - k) for ``k`` groups with ``N`` values, which tends to the same and has the longer tail.
 """
 
 # statsmodels and pandas have no types.
@@ -42,8 +45,7 @@ def cumulative_logit(values: Mapping[str, Sequence[float]]) -> TestResult:
 
     Raises:
         CannotTest: if all values are the same, there are too few, the groups do not overlap so that
-            no
-            odds ratio is best, or statsmodels is not installed.
+            no odds ratio is best, or statsmodels is not installed.
     """
     samples = Samples(values)
     samples.require_spread()
@@ -59,7 +61,8 @@ def cumulative_logit(values: Mapping[str, Sequence[float]]) -> TestResult:
     _, counts = np.unique(ranks, return_counts=True)
     without = float((counts * np.log(counts / n)).sum())
     statistic, df = max(0.0, 2 * (fitted - without)), k - 1
-    p = float(stats.chi2.sf(statistic, df))
+    # Not the χ² distribution, see above.
+    p = float(stats.f.sf(statistic / df, df, n - k))
     z = float(stats.norm.isf((1 - LEVEL) / 2))
     effects = tuple(
         Effect(
@@ -91,7 +94,7 @@ def cumulative_logit(values: Mapping[str, Sequence[float]]) -> TestResult:
         details={"log_likelihood": fitted, "log_likelihood_without": without},
         sentence=(
             f"Cumulative logits, likelihood ratio: χ²({df}, N = {n}) = {apa.number(statistic)}, "
-            f"{apa.p_value(p)}; {'; '.join(map(apa.effect, effects))}."
+            f"{apa.p_value(p)} by F({df}, {n - k}); {'; '.join(map(apa.effect, effects))}."
         ),
     )
 
@@ -100,12 +103,12 @@ def _fit(ranks: np.ndarray, design: np.ndarray) -> tuple[np.ndarray, np.ndarray,
     """Slopes, their standard errors, and the log likelihood."""
     try:
         # Imported now: it takes a second, and who has no statsmodels can do all else.
-        from statsmodels.miscmodels.ordinal_model import OrderedModel  # noqa: PLC0415
+        from coadapt.analysis.tests.proportional_odds import ProportionalOdds  # noqa: PLC0415
     except ImportError:
         raise CannotTest("statsmodels is not installed: pip install 'coadapt[study]'") from None
     with warnings.catch_warnings():
         warnings.simplefilter("ignore")  # what matters of them is looked at below
-        model = OrderedModel(ranks, design, distr="logit")
+        model = ProportionalOdds(ranks, design, distr="logit")
         found = model.fit(method="bfgs", gtol=1e-6, maxiter=500, disp=False)
         slope = np.abs(np.asarray(model.score(found.params))).max()
         slopes = np.asarray(found.params)[: design.shape[1]]
