@@ -47,7 +47,7 @@ def test_the_power_is_computed_as_shown(capsys: pytest.CaptureFixture[str]) -> N
     found = json.loads(capsys.readouterr().out)
     assert found["population"]["mean"] == 0.5
     assert found["population"]["noise"] == {"mean": 0.0, "sd": 0.0}
-    # The page says nearly 80 % with 24.
+    # The page says 23 for 80 %.
     low, high = found["points"][1]["low"][0], found["points"][1]["high"][0]
     assert low - 0.05 < 0.8 < high + 0.05
     assert Path("power.png").read_bytes().startswith(b"\x89PNG")
