@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import time
 from collections.abc import Iterator
 from pathlib import Path
 from typing import cast
@@ -10,15 +11,14 @@ import msgspec
 from sqlalchemy import select
 
 from coadapt.errors import FileError
+from coadapt.study.changes import add_change
 from coadapt.study.protocol import Study
 from coadapt.study.protocol.reader import FILE
+from coadapt.study.record import SERVED
 from coadapt.study.store import Store
 from coadapt.study.store.schema import SESSIONS
 from coadapt.study.store.store import get_setting, set_setting
 from coadapt.tasks import Task
-
-PROTOCOL = "protocol"
-"""The setting that holds protocol and task as they are for the participants."""
 
 
 def keep_protocol(store: Store, study: Study, task: Task, directory: Path, *, accept: bool) -> None:
@@ -35,19 +35,21 @@ def keep_protocol(store: Store, study: Study, task: Task, directory: Path, *, ac
     """
     new = msgspec.json.encode({"study": study, "task": task}, order="deterministic").decode()
     with store.database.writing() as connection:
-        old = get_setting(connection, PROTOCOL)
+        old = get_setting(connection, SERVED)
         begun = connection.execute(select(SESSIONS.c.id).limit(1)).first() is not None
-        if old is not None and old != new and begun and not accept:
+        if old is not None and old != new and begun:
             names = list(differences(msgspec.json.decode(old), msgspec.json.decode(new)))
-            shown = ", ".join(names[:5]) + (" and more" if len(names) > 5 else "")
-            raise FileError(
-                directory / FILE,
-                None,
-                f"found changes of {shown} since the first participant came, expected none; "
-                "begin a new study for a new protocol, or serve with --accept-changes",
-            )
+            if not accept:
+                shown = ", ".join(names[:5]) + (" and more" if len(names) > 5 else "")
+                raise FileError(
+                    directory / FILE,
+                    None,
+                    f"found changes of {shown} since the first participant came, expected none; "
+                    "begin a new study for a new protocol, or serve with --accept-changes",
+                )
+            add_change(connection, names, time.time())
         if old != new:
-            set_setting(connection, PROTOCOL, new)
+            set_setting(connection, SERVED, new)
 
 
 def differences(old: object, new: object, place: str = "") -> Iterator[str]:
