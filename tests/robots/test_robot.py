@@ -11,6 +11,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import coadapt as ca
+from coadapt.human.history import NO_ACTION
 from coadapt.robots import (
     NO_INPUT,
     Decision,
@@ -20,6 +21,8 @@ from coadapt.robots import (
     OneWayAdaptation,
     Robot,
 )
+from coadapt.robots.decide import DecisionsInTurn
+from coadapt.robots.tables import TabledRobot
 from tests.momdp.problems import known_hidden_policy
 from tests.momdp.strategies import random_rows
 
@@ -126,6 +129,30 @@ def test_act_is_the_action_of_decide(make: Callable[[], Robot]) -> None:
     one, other = make(), make()
     for decision in run(one, INPUTS):
         assert other.act(decision.state, decision.human_input) == decision.action
+
+
+@robots
+@given(inputs=st.lists(st.sampled_from([None, 0, 1, 2]), max_size=12))
+def test_decisions_in_turn_are_those_of_decide(
+    make: Callable[[], Robot], inputs: list[int | None]
+) -> None:
+    robot = make()
+    decisions = run(robot, inputs)
+    assert isinstance(robot, TabledRobot)
+    robot.reset()
+    in_turn = DecisionsInTurn(robot.tables, robot.belief)
+    for decision in decisions:
+        given_input = NO_INPUT if decision.human_input is None else decision.human_input
+        planned, asked, action, agreement, matched = in_turn.decide(decision.window, given_input)
+        assert (planned, action, agreement, matched) == (
+            decision.planned,
+            decision.action,
+            decision.agreement,
+            decision.matched,
+        )
+        assert asked == (NO_ACTION if decision.asked is None else decision.asked)
+        assert in_turn.belief.tobytes() == decision.belief.tobytes()  # to the bit
+        assert in_turn.forecast.tobytes() == decision.forecast.tobytes()
 
 
 @robots

@@ -3,16 +3,19 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from functools import partial
+from typing import cast
 
 import numpy as np
 
 from coadapt.arrays import FloatArray
 from coadapt.formalism import SharedAutonomy
 from coadapt.human.history import NO_ACTION
-from coadapt.robots import Robot
-from coadapt.simulation import Trial
-from coadapt.simulation.simulate import draw_outcomes, draw_start
+from coadapt.robots import NO_INPUT, Robot
+from coadapt.robots.decide import DecisionsInTurn
+from coadapt.robots.robot import require_situation
+from coadapt.robots.tables import TabledRobot
+from coadapt.simulation.draw import draw
+from coadapt.simulation.simulate import draw_start
 from coadapt.study.session.events import Began, Belief, Finished, Stepped
 from coadapt.study.session.plan import Stage
 
@@ -21,7 +24,7 @@ class Attempt:
     """A trial with a robot.
 
     Args:
-        robot: decides.
+        robot: decides; one that can be told as arrays.
         stage: of the session.
         attempt: how often it has begun, from 1.
         belief: ``[A][M]`` the robot's at the start; its prior if None.
@@ -38,26 +41,25 @@ class Attempt:
         rng: np.random.Generator,
         most_steps: int,
     ) -> None:
-        start = draw_start(robot.model, rng)
-        given = None if belief is None else np.array(belief)
-        self._trial = Trial(robot, given, start)
+        model = robot.model
+        start = draw_start(model, rng)
+        robot.reset(None if belief is None else np.array(belief))
+        self._decisions = DecisionsInTurn(cast("TabledRobot", robot).tables, robot.belief)
+        self._window = int(model.windows.beginning[start])
+        self._steps = 0
         self._rng = rng
         self._most_steps = most_steps
         self._wanted: int | None = None
         self._forecast = as_belief(robot.belief)
+        self.state = start
         self.robot = robot
         self.stage = stage
         self.began = Began(stage=stage, attempt=attempt, start=start, belief=self._forecast)
 
     @property
-    def state(self) -> int:
-        """The robot state."""
-        return self._trial.state
-
-    @property
     def done(self) -> bool:
         """Whether a goal is reached or the steps have run out."""
-        return self._trial.done or self._trial.steps >= self._most_steps
+        return bool(self.robot.model.world.ends[self.state]) or self._steps >= self._most_steps
 
     def step(self, human_input: int | None) -> Stepped:
         """One time step.
@@ -65,24 +67,27 @@ class Attempt:
         Raises:
             ValueError: if the input is out of range or the trial is done.
         """
-        model = self.robot.model
-        outcome = None
-        if not model.world.is_deterministic:
-            outcome = partial(draw_outcomes, model, [self._rng])
-        decision = self._trial.step(human_input, outcome=outcome)
-        wanted = wanted_goal(model, decision.state, human_input)
+        model, state, window = self.robot.model, self.state, self._window
+        require_situation(model, state, human_input)
+        given = NO_INPUT if human_input is None else human_input
+        planned, _, action, agreement, matched = self._decisions.decide(window, given)
+        outcome = draw(model.world.outcome_chances[state, action], self._rng)
+        self._window = int(model.windows.next[window, action, outcome])
+        self.state = int(model.windows.state[self._window])
+        self._steps += 1
+        wanted = wanted_goal(model, state, human_input)
         self._wanted = self._wanted if wanted is None else wanted
-        self._forecast = as_belief(decision.forecast)
+        self._forecast = as_belief(self._decisions.forecast)
         return Stepped(
-            step=self._trial.steps - 1,
-            state=decision.state,
-            window=decision.window,
+            step=self._steps - 1,
+            state=state,
+            window=window,
             input=human_input,
-            action=decision.action,
-            planned=decision.planned,
-            agreement=float(decision.agreement),
-            matched=decision.matched,
-            belief=as_belief(decision.belief),
+            action=action,
+            planned=planned,
+            agreement=agreement,
+            matched=matched,
+            belief=as_belief(self._decisions.belief),
             reached=self.state,
         )
 

@@ -1,7 +1,8 @@
 """One decision: correct the belief, look up the plan, match, predict.
 
 `decide` is the only code by which coadapt's robots decide: `decide_all` calls it for some
-situations, the compiled episodes for each of their steps. So both come to the same to the bit.
+situations, `decide_one` for one, the compiled episodes for each of their steps. So all come to the
+same to the bit.
 """
 
 from __future__ import annotations
@@ -122,6 +123,19 @@ def decide_all(
         planned[i], asked[i], action[i], agreement[i], matched[i] = decide(
             r, windows[i], human_inputs[i], belief[i], forecast[i], scratch
         )
+
+
+@kernel
+def decide_one(
+    r: RobotTables,
+    window: int,
+    human_input: int,
+    belief: FloatArray,
+    forecast: FloatArray,
+    scratch: FloatArray,
+) -> tuple[int, int, int, float, bool]:
+    """`decide`, for Python."""
+    return decide(r, window, human_input, belief, forecast, scratch)
 
 
 @kernel
