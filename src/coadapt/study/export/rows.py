@@ -17,6 +17,7 @@ from coadapt.study.order import shown_items
 from coadapt.study.protocol import Item, Question
 from coadapt.study.record import Moment, Record, Stored, standing
 from coadapt.study.session.events import (
+    KINDS,
     Answer,
     Answered,
     Belief,
@@ -209,7 +210,7 @@ class SessionRows:
                 sequence=kept.sequence,
                 time=self._since(kept.time),
                 stage=str(self._stages[before.position]),
-                event=str(kept.event.__struct_config__.tag),
+                event=KINDS[type(kept.event)],
                 data=data.decode(),
             )
 

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Literal
+from collections.abc import Mapping
+from typing import Literal, get_args
 
 import msgspec
 
@@ -19,7 +20,12 @@ Belief = tuple[tuple[float, ...], ...]
 
 
 class Happening(
-    msgspec.Struct, frozen=True, kw_only=True, tag_field="event", forbid_unknown_fields=True
+    msgspec.Struct,
+    frozen=True,
+    kw_only=True,
+    tag_field="event",
+    forbid_unknown_fields=True,
+    gc=False,  # many are made, and none can hold itself
 ):
     """Something that happened. When is stored beside it, by the clock of the server."""
 
@@ -204,6 +210,11 @@ Event = (
     | Readmitted
     | Noted
 )
+
+KINDS: Mapping[type[Event], str] = {
+    kind: f"{kind.__struct_config__.tag}" for kind in get_args(Event)
+}
+"""What the kinds of events are called where they are stored."""
 
 _ENCODER = msgspec.json.Encoder()
 _DECODER: msgspec.json.Decoder[Event] = msgspec.json.Decoder(Event)

@@ -3,11 +3,14 @@
 from __future__ import annotations
 
 import sqlite3
-from collections.abc import Generator
+import time
+from collections.abc import Generator, Sequence
 from contextlib import contextmanager
+from itertools import chain
 from pathlib import Path
-from typing import Literal
+from typing import Literal, NamedTuple
 
+import msgspec
 from sqlalchemy import Connection, Engine, create_engine, event, text
 from sqlalchemy.engine import URL, make_url
 from sqlalchemy.exc import (
@@ -27,8 +30,16 @@ an older event without a newer one. PostgreSQL always gives the first."""
 
 ALLOCATION_LOCK = 0x636F6164  # any number that nobody else locks in this database
 
-CHECKPOINT_PAGES = 4000
-"""The write-ahead log of SQLite is emptied at this many pages of 4 kB."""
+CHECKPOINT_PAGES = 16_000
+"""The write-ahead log of SQLite is emptied at this many pages of 4 kB at the latest, by who writes
+then; see `coadapt.study.store.checkpoints`."""
+
+CACHED = 16_000
+"""Kilobytes of a SQLite file that a connection remembers: of every session under way the page to
+which its events are added."""
+
+REST = 5.0
+"""Seconds after which it is asked whether a connection that writes often is still there."""
 
 PATIENCE = 30
 """Seconds to wait for another process that writes to the same SQLite file."""
@@ -42,17 +53,28 @@ class Conflict(Exception):
     """A row cannot be written: its number or name is taken, or what it belongs to is gone."""
 
 
-_INSERT = {
-    "sqlite": """
-        INSERT INTO events (session, sequence, time, kind, data)
-        SELECT json_extract(value, '$[0]'), json_extract(value, '$[1]'),
-            json_extract(value, '$[2]'), json_extract(value, '$[3]'), json_extract(value, '$[4]')
-        FROM json_each(:rows)""",
-    "postgresql": """
-        INSERT INTO events (session, sequence, time, kind, data)
-        SELECT (r->>0)::bigint, (r->>1)::integer, (r->>2)::double precision, r->>3, r->>4
-        FROM json_array_elements(CAST(:rows AS json)) AS r""",
-}
+class EventRow(NamedTuple):
+    """A row of `coadapt.study.store.schema.EVENTS`."""
+
+    session: int
+    sequence: int
+    time: float
+    kind: str
+    data: str
+
+
+MOST_ROWS = 1000
+"""Of one statement; SQLite takes 32,766 values."""
+
+_INSERT = "INSERT INTO events (session, sequence, time, kind, data) "
+
+_INSERT_JSON = text(
+    _INSERT
+    + """SELECT (r->>0)::bigint, (r->>1)::integer, (r->>2)::double precision, r->>3, r->>4
+        FROM json_array_elements(CAST(:rows AS json)) AS r"""
+)
+
+_ENCODER = msgspec.json.Encoder()
 
 
 class Database:
@@ -64,9 +86,6 @@ class Database:
 
     Attributes:
         engine: for reading.
-        insert_events: a statement that inserts rows of `EVENTS`, all of them given as one JSON
-            array ``rows`` of arrays. One statement for many rows: the interpreter is left and
-            entered once, not for every row, which matters to a thread beside a busy one.
 
     Raises:
         InputError: if the URL cannot be used.
@@ -75,7 +94,6 @@ class Database:
     def __init__(self, url: str, durability: Durability = "power") -> None:
         parsed = parse_url(url)
         self.is_sqlite = parsed.get_backend_name() == "sqlite"
-        self.insert_events = text(_INSERT[parsed.get_backend_name()])
         if self.is_sqlite:
             self.engine = create_engine(
                 parsed, connect_args={"timeout": PATIENCE}, hide_parameters=True
@@ -106,6 +124,37 @@ class Database:
         with _translated(), self._writing.begin() as connection:
             yield connection
 
+    def insert_events(self, connection: Connection, rows: Sequence[EventRow]) -> None:
+        """Insert ``rows``, many by one statement.
+
+        So the interpreter is left and entered once, not for every row, which matters to a thread
+        beside a busy one; and PostgreSQL is asked once.
+        """
+        for i in range(0, len(rows), MOST_ROWS):
+            some = rows[i : i + MOST_ROWS]
+            if self.is_sqlite:
+                values = ", ".join(["(?, ?, ?, ?, ?)"] * len(some))
+                connection.exec_driver_sql(f"{_INSERT}VALUES {values}", tuple(chain(*some)))
+            else:
+                connection.execute(_INSERT_JSON, {"rows": _ENCODER.encode(some).decode()})
+
+    def writing_often(self) -> WritingConnection:
+        """A connection for many transactions of one thread."""
+        return WritingConnection(self._writing)
+
+    def checkpoint(self) -> None:
+        """Copy what stands in the write-ahead log of SQLite to where it belongs.
+
+        Raises:
+            StoreError: if that cannot be done.
+        """
+        with _translated():
+            connection = self.engine.raw_connection()
+            try:
+                connection.cursor().execute("PRAGMA wal_checkpoint(PASSIVE)")
+            finally:
+                connection.close()
+
     def lock_allocation(self, connection: Connection) -> None:
         """Wait until no other process allocates; to the end of the transaction of ``connection``.
 
@@ -119,6 +168,42 @@ class Database:
     def close(self) -> None:
         """Close all connections that nobody uses."""
         self.engine.dispose()
+
+
+class WritingConnection:
+    """A connection for many transactions, one after the other.
+
+    `Database.writing` takes one from the pool each time and gives it back, which is most of the
+    work of a small transaction, and asks PostgreSQL each time whether it is still there. Here that
+    is done after a rest, and after whatever went wrong.
+    """
+
+    def __init__(self, engine: Engine) -> None:
+        self._engine = engine
+        self._connection: Connection | None = None
+        self._used = 0.0
+
+    @contextmanager
+    def transaction(self) -> Generator[Connection]:
+        """As `Database.writing`."""
+        try:
+            with _translated():
+                if self._connection is None or time.monotonic() - self._used > REST:
+                    self.close()
+                    self._connection = self._engine.connect()
+                with self._connection.begin():
+                    yield self._connection
+                self._used = time.monotonic()
+        except BaseException:
+            self.close()
+            raise
+
+    def close(self) -> None:
+        """Give it back."""
+        if self._connection is not None:
+            connection, self._connection = self._connection, None
+            with _translated():
+                connection.close()
 
 
 def parse_url(url: str) -> URL:
@@ -141,7 +226,7 @@ def parse_url(url: str) -> URL:
         ) from error
     except ImportError as error:
         raise InputError(f"the database's driver is not installed: {error}") from error
-    if backend not in _INSERT:
+    if backend not in ("sqlite", "postgresql"):
         raise InputError(f"found a database URL of {backend}, expected sqlite or postgresql")
     if backend == "sqlite":
         if not parsed.database or parsed.database == ":memory:":
@@ -164,6 +249,8 @@ def _prepare_sqlite(engine: Engine, durability: Durability) -> None:
             "foreign_keys = ON",
             "secure_delete = ON",  # deleted data are overwritten
             f"wal_autocheckpoint = {CHECKPOINT_PAGES}",
+            f"cache_size = -{CACHED}",
+            "temp_store = MEMORY",  # what a statement of many rows may have to undo
         ):
             connection.execute(f"PRAGMA {pragma}")
 

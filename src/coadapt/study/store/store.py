@@ -12,8 +12,8 @@ from sqlalchemy import Connection, Select, case, func, insert, inspect, select, 
 
 from coadapt.errors import InputError
 from coadapt.study.session import Event, decode_event, encode_event
-from coadapt.study.session.events import Noted
-from coadapt.study.store.database import Database, Durability, StoreError
+from coadapt.study.session.events import KINDS, Noted
+from coadapt.study.store.database import Database, Durability, EventRow, StoreError
 from coadapt.study.store.schema import EVENTS, FORMAT, METADATA, SESSIONS, SETTINGS
 
 FILE = "study.db"
@@ -200,17 +200,13 @@ class Store:
                 deleted.
         """
         rows = [
-            (
-                a.session,
-                a.first + i,
-                a.time,
-                event.__struct_config__.tag,
-                encode_event(event).decode(),
+            EventRow(
+                a.session, a.first + i, a.time, KINDS[type(event)], encode_event(event).decode()
             )
             for a in additions
             for i, event in enumerate(a.events)
         ]
-        connection.execute(self.database.insert_events, {"rows": _ENCODER.encode(rows).decode()})
+        self.database.insert_events(connection, rows)
         for addition in additions:
             if addition.digest is not None:
                 values = msgspec.structs.asdict(addition.digest)
