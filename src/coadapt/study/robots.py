@@ -9,6 +9,7 @@ from pathlib import Path
 
 import msgspec
 
+from coadapt.formalism import SharedAutonomy
 from coadapt.momdp.files import read_policy, write_policy
 from coadapt.momdp.policy import AlphaVectorPolicy
 from coadapt.robots import Robot
@@ -23,6 +24,11 @@ POLICIES = "policies"
 
 Robots = Mapping[tuple[str, int], Robot]
 """By the name of the condition and the index of the chosen goal."""
+
+
+def model_of(robots: Robots) -> SharedAutonomy:
+    """World and inputs, which all robots of a study have in common."""
+    return next(iter(robots.values())).model
 
 
 def setup_of(study: Study, task: Task, condition: Condition, choice: int) -> TaskSetup:

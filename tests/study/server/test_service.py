@@ -145,6 +145,78 @@ def test_who_is_cancelled_while_it_is_stored_loses_nothing(url: str) -> None:
     asyncio.run(run())
 
 
+async def post(service: Service, key: str, what: str, attempt: tuple[int, int]) -> None:
+    """`Service.post` a note, and wait until it is told."""
+    waiting: asyncio.Future[None] = asyncio.get_running_loop().create_future()
+
+    def told(error: Exception | None) -> None:
+        if error is None:
+            waiting.set_result(None)
+        else:
+            waiting.set_exception(error)
+
+    service.post(key, [Noted(what=what)], attempt, told)
+    await waiting
+
+
+def test_what_is_posted_is_stored_as_what_is_recorded(url: str) -> None:
+    async def run() -> None:
+        async with serving(url) as a, serving(url) as b:
+            key = await a.open({})
+            session = await bring(a, key, Stage("practice", 1))
+            session = await a.record(key, began(a, key, session))
+            where = (session.position, session.attempt)
+            count = len(await a.events(key))
+            # Among others that wait, in the order in which they came.
+            await asyncio.gather(
+                post(a, key, "0", where),
+                a.record(key, Noted(what="1")),
+                post(a, key, "2", where),
+                post(a, key, "3", where),
+            )
+            await b.record(key, Noted(what="4"))
+            await post(a, key, "5", where)  # a did not know of b's
+            events = await a.events(key)
+            assert [kept.sequence for kept in events] == list(range(1, count + 7))
+            assert [k.event.what for k in events[count:]] == [f"{i}" for i in range(6)]  # type: ignore[union-attr]
+            await b.record(key, began(b, key, await b.session(key)))
+            with pytest.raises(NotNow, match="another attempt has begun"):
+                await post(a, key, "too late", where)
+            with pytest.raises(KeyError):
+                await post(a, "nobody", "a", where)
+            await b.delete(key)
+            with pytest.raises(KeyError):
+                await post(a, key, "deleted", where)
+
+    asyncio.run(run())
+
+
+def test_what_cannot_be_posted_leaves_the_session_as_it_was(
+    url: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    async def run() -> None:
+        async with serving(url) as service:
+            key = await service.open({})
+            where = (0, 0)
+
+            def fail(*_: object) -> None:
+                raise StoreError("the disk is full")
+
+            await post(service, key, "before", where)
+            with monkeypatch.context() as patch:
+                patch.setattr(service.store, "append", fail)
+                with pytest.raises(StoreError, match="full"):
+                    await post(service, key, "lost", where)
+            await post(service, key, "after", where)
+            notes = [k.event.what for k in (await service.events(key))[1:]]  # type: ignore[union-attr]
+            assert notes == ["before", "after"]
+            service_closed = service
+        with pytest.raises(StoreError, match="stopping"):
+            await post(service_closed, key, "too late", where)
+
+    asyncio.run(run())
+
+
 def test_two_processes_drive_one_session(url: str) -> None:
     async def run() -> None:
         async with serving(url) as a, serving(url) as b:

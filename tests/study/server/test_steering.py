@@ -10,6 +10,7 @@ from starlette.testclient import TestClient
 from starlette.websockets import WebSocketDisconnect
 
 from coadapt.study.protocol import Clock
+from coadapt.study.robots import model_of
 from coadapt.study.server import socket as module
 from coadapt.study.server.messages import (
     LONGEST_MESSAGE,
@@ -22,7 +23,7 @@ from coadapt.study.server.messages import (
     Stored,
 )
 from coadapt.study.server.service import Service
-from coadapt.study.server.steering import model_of, new_attempt
+from coadapt.study.server.steering import new_attempt
 from coadapt.study.session import Session, Stage
 from coadapt.study.session.events import Began, Event, Finished, Noted, Pressed, Stepped
 from coadapt.study.session.machine import stage_of

@@ -18,7 +18,12 @@ LONGEST_MESSAGE = 2048
 
 
 class Message(
-    msgspec.Struct, frozen=True, kw_only=True, tag_field="type", forbid_unknown_fields=True
+    msgspec.Struct,
+    frozen=True,
+    kw_only=True,
+    tag_field="type",
+    forbid_unknown_fields=True,
+    gc=False,  # many are made, and none can hold itself
 ):
     """A message."""
 
@@ -141,9 +146,9 @@ _ENCODER = msgspec.json.Encoder()
 _DECODER: msgspec.json.Decoder[FromPage] = msgspec.json.Decoder(FromPage)
 
 
-def encode_message(message: FromServer) -> str:
+def encode_message(message: FromServer) -> bytes:
     """``message`` as JSON."""
-    return _ENCODER.encode(message).decode()
+    return _ENCODER.encode(message)
 
 
 def decode_message(data: str | bytes) -> FromPage:

@@ -20,13 +20,13 @@ from coadapt.errors import FileError, InputError
 from coadapt.robots.setup import Progress
 from coadapt.study.protocol import read_study
 from coadapt.study.protocol.reader import study_task
-from coadapt.study.robots import load_robots
+from coadapt.study.robots import load_robots, model_of
 from coadapt.study.server.admin import Desk, admin_routes
 from coadapt.study.server.app import Site, study_app
+from coadapt.study.server.line import DirectWebSocket
 from coadapt.study.server.messages import LONGEST_MESSAGE
 from coadapt.study.server.pages import Pages
 from coadapt.study.server.service import Service
-from coadapt.study.server.steering import model_of
 from coadapt.study.server.unchanged import keep_protocol
 from coadapt.study.session import Stage
 from coadapt.study.store import Durability, Store
@@ -40,6 +40,10 @@ PINGS = 20.0
 
 SWITCH = 0.0005
 """Seconds after which a thread makes room for another that waits for the interpreter."""
+
+GARBAGE = (20_000, 50, 100)
+"""Objects that are more than at the last look for garbage, and how many looks at the youngest come
+between looks at older ones. Little of what comes and goes here is left for them to find."""
 
 BACKLOG = 2048
 """Connections that wait to be accepted."""
@@ -168,6 +172,7 @@ def run(
         ssl_certfile=address.certificate,
         ssl_keyfile=address.key,
         timeout_graceful_shutdown=GRACE,
+        ws=DirectWebSocket,
         ws_max_size=2 * LONGEST_MESSAGE,
         ws_ping_interval=PINGS,
         ws_ping_timeout=PINGS,
@@ -182,6 +187,7 @@ def run(
     sys.setswitchinterval(SWITCH)
     gc.collect()
     gc.freeze()
+    gc.set_threshold(*GARBAGE)
     with suppress(KeyboardInterrupt):  # raised again by uvicorn once all is closed
         _Server(config, started).run([listening])
 

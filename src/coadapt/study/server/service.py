@@ -5,31 +5,29 @@ from __future__ import annotations
 import asyncio
 import secrets
 import time
-from collections.abc import Mapping, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from contextlib import suppress
-from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Literal
 
 from sqlalchemy import Connection
 
 from coadapt.study.protocol import Study
-from coadapt.study.robots import Robots
+from coadapt.study.robots import Robots, model_of
+from coadapt.study.server.entry import Entry
+from coadapt.study.server.messages import Scene
+from coadapt.study.server.scene import scene_of
 from coadapt.study.server.standings import allocate_session, digest_of
-from coadapt.study.session import BEGINNING, Event, NotNow, Session, advance
+from coadapt.study.session import Event, NotNow, Session, Stage, advance
 from coadapt.study.session.events import (
     Allocated,
-    Began,
     Excluded,
-    Noted,
     Opened,
-    Pressed,
     Readmitted,
 )
 from coadapt.study.store import (
     Addition,
     Conflict,
-    Digest,
     Kept,
     Row,
     Store,
@@ -49,9 +47,6 @@ LONGEST_PARAMETER = 500
 MOST_CACHED = 5_000
 """Sessions in memory. Others are read again from the database when they are needed."""
 
-MOST_EVENTS = 100_000
-"""Of a session, beyond which its page can add no more inputs and notes: hours of steering."""
-
 STATUS_AGE = 1.0
 """Seconds for which the study's status is not asked for again; another process may change it."""
 
@@ -62,25 +57,6 @@ class Closed(Exception):
 
 class Unreadable(StoreError):
     """The events of a session do not fit the protocol, as after a change of `study.toml`."""
-
-
-@dataclass
-class _Entry:
-    """A session in memory.
-
-    Attributes:
-        row: in the table of sessions.
-        session: after its first ``sequence`` events.
-        fresh: whether memory and database are known to have been the same; another process may
-            have written since.
-    """
-
-    row: Row
-    session: Session = BEGINNING
-    sequence: int = 0
-    digest: Digest = field(default_factory=Digest)
-    fresh: bool = False
-    lock: asyncio.Lock = field(default_factory=asyncio.Lock)
 
 
 class Service:
@@ -100,10 +76,12 @@ class Service:
         self.robots = robots
         self.store = store
         self.directory = directory
+        self._scenes: dict[Stage, Scene] = {}
         self._writer = Writer(store)
-        self._entries: dict[str, _Entry] = {}
+        self._entries: dict[str, Entry] = {}
         self._status: Status = "open"
         self._status_until = 0.0
+        self._tasks: set[asyncio.Task[Session]] = set()
 
     async def close(self) -> None:
         """Store what is waiting and end."""
@@ -158,9 +136,23 @@ class Service:
             StoreError: if it cannot be read.
         """
         entry = await self._entry(key)
-        async with entry.lock:
+        async with entry.turnstile:
             await self._refresh(entry)
             return entry.session
+
+    async def known_session(self, key: str) -> Session:
+        """Where a session stood when this process heard of it last.
+
+        Another may have moved it since. `record` finds that out. Raises as `session`.
+        """
+        entry = await self._entry(key)
+        return entry.session if entry.fresh else await self.session(key)
+
+    def scene(self, stage: Stage) -> Scene:
+        """What the page draws in ``stage``, in which somebody steers."""
+        if stage not in self._scenes:
+            self._scenes[stage] = scene_of(self.study, model_of(self.robots), stage)
+        return self._scenes[stage]
 
     async def events(self, key: str) -> list[Kept]:
         """All events of a session; raises as `session`."""
@@ -184,15 +176,13 @@ class Service:
             StoreError: if they could not be stored.
         """
         entry = await self._entry(key)
-        async with entry.lock:
+        async with entry.turnstile:
             while True:
                 known = entry.fresh
                 if not known:
                     await self._refresh(entry)
-                if entry.sequence >= MOST_EVENTS and isinstance(events[0], Began | Pressed | Noted):
-                    raise NotNow("too much has happened in this session")
                 try:
-                    session = _advanced(self.study, entry.session, events, attempt)
+                    session = entry.after(self.study, events, attempt)
                 except NotNow:
                     if not known:
                         raise
@@ -201,21 +191,79 @@ class Service:
                 if await self._store(entry, session, events):
                     return session
 
-    async def _store(self, entry: _Entry, session: Session, events: Sequence[Event]) -> bool:
+    def post(
+        self,
+        key: str,
+        events: Sequence[Event],
+        attempt: tuple[int, int],
+        told: Callable[[Exception | None], None],
+    ) -> None:
+        """As `record`, for who does not wait in a task.
+
+        Where this process knows the session and nothing else happens in it, which is so while
+        somebody steers, there is nothing to wait for but the database. Otherwise it is `record`.
+
+        Args:
+            key, events, attempt: as for `record`.
+            told: called later, with None once the events are safe, or with what `record` raises.
+        """
+        entry = self._entries.get(key)
+        if entry is not None and entry.fresh and entry.turnstile.enter():
+            try:
+                self._post(entry, events, attempt, told)
+            except (NotNow, StoreError):
+                entry.turnstile.leave()
+            else:
+                return
+        self._record_later(key, events, attempt, told)
+
+    def _post(
+        self,
+        entry: Entry,
+        events: Sequence[Event],
+        attempt: tuple[int, int],
+        told: Callable[[Exception | None], None],
+    ) -> None:
+        session = entry.after(self.study, events, attempt)
+        addition = entry.addition(session, events)
+
+        def stored(_: object, error: Exception | None) -> None:
+            if error is None:
+                entry.settle(session, len(events))
+            entry.turnstile.leave()
+            if isinstance(error, Taken):
+                self._record_later(entry.row.key, events, attempt, told)
+            else:
+                told(error)
+
+        self._writer.put(addition, stored)
+        entry.fresh = False
+
+    def _record_later(
+        self,
+        key: str,
+        events: Sequence[Event],
+        attempt: tuple[int, int],
+        told: Callable[[Exception | None], None],
+    ) -> None:
+        def done(task: asyncio.Task[Session]) -> None:
+            self._tasks.discard(task)
+            told(StoreError("the server is stopping") if task.cancelled() else task.exception())  # pyright: ignore
+
+        task = asyncio.get_running_loop().create_task(self.record(key, *events, attempt=attempt))
+        self._tasks.add(task)  # the loop does not keep it alive
+        task.add_done_callback(done)
+
+    async def _store(self, entry: Entry, session: Session, events: Sequence[Event]) -> bool:
         """Store ``events``, which lead to ``session``; False if another process has stored some."""
-        digest = digest_of(session)
-        news = None if digest == entry.digest else digest
+        addition = entry.addition(session, events)
         # Whatever goes wrong now, the database knows best what is stored.
         entry.fresh = False
         try:
-            await self._writer.append(
-                Addition(entry.row.id, entry.sequence + 1, time.time(), events, news)
-            )
+            await self._writer.append(addition)
         except Taken:
             return False
-        entry.session, entry.digest = session, digest
-        entry.sequence += len(events)
-        entry.fresh = True
+        entry.settle(session, len(events))
         return True
 
     async def allocate(self, key: str) -> Session:
@@ -227,7 +275,7 @@ class Service:
             KeyError, StoreError: as `record`.
         """
         entry = await self._entry(key)
-        async with entry.lock:
+        async with entry.turnstile:
             await self._refresh(entry)
 
             def choose(connection: Connection) -> None:
@@ -276,7 +324,7 @@ class Service:
             StoreError: if it could not be deleted.
         """
         entry = await self._entry(key)
-        async with entry.lock:
+        async with entry.turnstile:
 
             def remove(connection: Connection) -> None:
                 self.store.database.lock_allocation(connection)
@@ -292,13 +340,13 @@ class Service:
 
     # Memory and database
 
-    async def _entry(self, key: str) -> _Entry:
+    async def _entry(self, key: str) -> Entry:
         entry = self._entries.pop(key, None)
         if entry is None:
             row = await asyncio.to_thread(self.store.find, key=key)
             if row is None:
                 raise KeyError(key)
-            entry = self._entries.pop(key, None) or _Entry(row)
+            entry = self._entries.pop(key, None) or Entry(row)
         self._entries[key] = entry  # the latest stands last
         if len(self._entries) > MOST_CACHED:
             self._forget()
@@ -306,11 +354,11 @@ class Service:
 
     def _forget(self) -> None:
         """Drop the oldest entries that nobody is using."""
-        idle = [key for key, entry in self._entries.items() if not entry.lock.locked()]
+        idle = [key for key, entry in self._entries.items() if not entry.turnstile.is_taken]
         for key in idle[: len(self._entries) - MOST_CACHED * 9 // 10]:
             del self._entries[key]
 
-    async def _refresh(self, entry: _Entry) -> None:
+    async def _refresh(self, entry: Entry) -> None:
         """Bring ``entry`` up to date with the database."""
         # The last one that is known comes again: without it the session has been deleted.
         found = await asyncio.to_thread(self.store.events, entry.row.id, entry.sequence - 1)
@@ -327,18 +375,7 @@ class Service:
         entry.fresh = True
 
 
-def _advanced(
-    study: Study, session: Session, events: Sequence[Event], attempt: tuple[int, int] | None
-) -> Session:
-    """``session`` after ``events`` of its ``attempt``; raises NotNow as `Service.record`."""
-    if attempt is not None and attempt != (session.position, session.attempt):
-        raise NotNow("another attempt has begun")
-    for event in events:
-        session = advance(study, session, event)
-    return session
-
-
-def _allocate(study: Study, store: Store, connection: Connection, entry: _Entry) -> None:
+def _allocate(study: Study, store: Store, connection: Connection, entry: Entry) -> None:
     """Allocate the session of ``entry``, within a transaction in which nobody else does."""
     condition = allocate_session(study, store, connection, entry.session)
     if condition is None:

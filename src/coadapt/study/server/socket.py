@@ -4,28 +4,24 @@ from __future__ import annotations
 
 import asyncio
 import logging
-from collections import deque
-from contextlib import suppress
 from urllib.parse import urlsplit
 
-from starlette.websockets import WebSocket, WebSocketDisconnect
+from starlette.websockets import WebSocket
 
 from coadapt.study.server.limits import Bucket
+from coadapt.study.server.line import Line
 from coadapt.study.server.messages import (
     FromServer,
-    Input,
     Note,
     Ping,
     Pong,
-    Ready,
     Refused,
     decode_message,
     encode_message,
 )
 from coadapt.study.server.service import Service
-from coadapt.study.server.steering import Send, Steering
+from coadapt.study.server.steering import End, Send, Steering
 from coadapt.study.session import NotNow
-from coadapt.study.session.events import Noted
 from coadapt.study.store import StoreError
 
 log = logging.getLogger("coadapt.study")
@@ -54,77 +50,66 @@ class Connections:
     """Who is connected: at most one page a session, the newest."""
 
     def __init__(self) -> None:
-        self._boxes: dict[str, Mailbox] = {}
+        self._open: dict[str, Steering] = {}
 
-    def enter(self, key: str) -> Mailbox:
-        """A mailbox for a new connection; an older one of the same session is told to end."""
+    def enter(self, key: str, steering: Steering) -> None:
+        """A new connection; an older one of the same session is told to end."""
         self.end(key, ELSEWHERE)
-        box = self._boxes[key] = Mailbox()
-        return box
+        self._open[key] = steering
 
-    def leave(self, key: str, box: Mailbox) -> None:
-        """The connection with this mailbox has ended."""
-        if self._boxes.get(key) is box:
-            del self._boxes[key]
+    def leave(self, key: str, steering: Steering) -> None:
+        """This connection has ended."""
+        if self._open.get(key) is steering:
+            del self._open[key]
 
     def end(self, key: str, reason: str) -> None:
         """Tell the connection of a session to end, if there is one."""
-        if key in self._boxes:
-            self._boxes[key].put(End(reason))
+        if key in self._open:
+            self._open[key].put(End(reason))
 
     def __contains__(self, key: str) -> bool:
-        return key in self._boxes
+        return key in self._open
 
     def __len__(self) -> int:
-        return len(self._boxes)
+        return len(self._open)
 
 
-class End:
-    """Stands in a mailbox behind the last message; ``reason`` is for the page if it is there."""
+class Ear:
+    """Hands the page's messages on; answers pings at once, and ends it if there are too many."""
 
-    def __init__(self, reason: str | None = None) -> None:
-        self.reason = reason
+    def __init__(self, steering: Steering, send: Send) -> None:
+        self._steering = steering
+        self._send = send
+        self._bucket = Bucket(RATE, BURST)
+        self._deaf = False
 
+    def hear(self, text: str | None) -> None:
+        """The page has sent this; None if it is no text."""
+        if self._deaf:
+            return
+        if not self._bucket.take() or self._steering.unread >= MOST_UNREAD:
+            self.end(TOO_MANY)
+            return
+        try:
+            if text is None:
+                raise ValueError
+            message = decode_message(text)
+        except ValueError:
+            self.end("The page sent something that is no message.")
+            return
+        if isinstance(message, Ping):
+            self._send(Pong(page_time=message.page_time))
+        else:
+            self._steering.put(message)
 
-class Mailbox:
-    """What has come for a connection and is not yet dealt with; one task takes it out."""
-
-    def __init__(self) -> None:
-        self._messages: deque[Ready | Input | Note | End] = deque()
-        self._waiting: asyncio.Future[None] | None = None
-
-    def put(self, message: Ready | Input | Note | End) -> bool:
-        """Put it behind the others; False if there are too many."""
-        if len(self._messages) >= MOST_UNREAD and not isinstance(message, End):
-            return False
-        self._messages.append(message)
-        self._wake()
-        return True
-
-    async def get(self, until: float) -> Ready | Input | Note | End | None:
-        """The first; None if there is none by ``until``, in seconds of the event loop."""
-        if not self._messages:
-            loop = asyncio.get_running_loop()
-            self._waiting = loop.create_future()
-            alarm = loop.call_at(until, self._wake)
-            try:
-                await self._waiting
-            finally:
-                alarm.cancel()
-                self._waiting = None
-        return self._messages.popleft() if self._messages else None
-
-    def _wake(self) -> None:
-        if self._waiting is not None and not self._waiting.done():
-            self._waiting.set_result(None)
+    def end(self, reason: str | None = None) -> None:
+        """Nothing more is heard."""
+        self._deaf = True
+        self._steering.put(End(reason))
 
 
 async def steer(websocket: WebSocket, service: Service, connections: Connections, key: str) -> None:
-    """Serve one connection to its end.
-
-    Messages and turns of the clock are dealt with one after the other, each stored before the next:
-    what is stored is what happened, in this order.
-    """
+    """Serve one connection to its end."""
     if not is_same_origin(websocket):
         await websocket.close(4403)
         return
@@ -138,46 +123,33 @@ async def steer(websocket: WebSocket, service: Service, connections: Connections
         await websocket.close(1011)
         return
     await websocket.accept()
+    line = Line(websocket)
 
-    async def send(message: FromServer) -> None:
-        try:
-            await websocket.send_text(encode_message(message))
-        except RuntimeError as error:  # the server has closed it, for example at too long a message
-            raise WebSocketDisconnect(1006) from error
+    def send(message: FromServer) -> None:
+        line.say(encode_message(message))
 
-    box = connections.enter(key)
-    reader = asyncio.create_task(_read(websocket, box, send))
+    steering = Steering(service, key, send)
+    connections.enter(key, steering)
+    ear = Ear(steering, send)
+    reading = asyncio.create_task(line.run(ear.hear))
+    reading.add_done_callback(lambda _: ear.end())
+    living = asyncio.create_task(_live(steering))
     try:
-        reason = await _serve(Steering(service, key, send), service, key, box)
+        reason = await _reason(steering)
         if reason is not None:
-            await send(Refused(reason=reason))
-            with suppress(RuntimeError):
-                await websocket.close(1008)
-    except WebSocketDisconnect:
-        pass  # the page has gone
+            send(Refused(reason=reason))
+            await line.close(1008)
     finally:
-        reader.cancel()
-        connections.leave(key, box)
+        steering.close()
+        living.cancel()
+        reading.cancel()
+        connections.leave(key, steering)
 
 
-async def _serve(steering: Steering, service: Service, key: str, box: Mailbox) -> str | None:
-    """Deal with messages and turns until the end; the reason for the page, if it is there."""
-    loop = asyncio.get_running_loop()
+async def _reason(steering: Steering) -> str | None:
+    """Why it ended, for the page; None if that has gone."""
     try:
-        await steering.show()
-        alive = loop.time() + ALIVE
-        while True:
-            turn = steering.next_turn
-            message = await box.get(alive if turn is None else min(turn, alive))
-            if isinstance(message, End):
-                return message.reason
-            if message is not None:
-                await steering.take(message)
-            elif turn is not None and turn <= alive:
-                await steering.turn()
-            else:
-                await service.record(key, Noted(what="alive"))
-                alive = loop.time() + ALIVE
+        return await steering.ended
     except NotNow as error:
         return f"{error}"
     except KeyError:
@@ -185,34 +157,16 @@ async def _serve(steering: Steering, service: Service, key: str, box: Mailbox) -
     except StoreError as error:
         log.error("not stored: %s", error)
         return NOT_STORED
-    except WebSocketDisconnect:
-        raise
     except Exception:
         log.exception("a connection failed")
         return FAILED
 
 
-async def _read(websocket: WebSocket, box: Mailbox, send: Send) -> None:
-    """Put the page's messages into the mailbox; answer pings at once."""
-    bucket = Bucket(RATE, BURST)
+async def _live(steering: Steering) -> None:
+    """Note now and then that the connection is there."""
     while True:
-        try:
-            text = await websocket.receive_text()
-            if not bucket.take():
-                box.put(End(TOO_MANY))
-                return
-            message = decode_message(text)
-            if isinstance(message, Ping):
-                await send(Pong(page_time=message.page_time))
-            elif not box.put(message):
-                box.put(End(TOO_MANY))
-                return
-        except (WebSocketDisconnect, RuntimeError):
-            box.put(End())
-            return
-        except (ValueError, KeyError):  # KeyError: bytes instead of text
-            box.put(End("The page sent something that is no message."))
-            return
+        await asyncio.sleep(ALIVE)
+        steering.put(Note(what="alive"))
 
 
 def is_same_origin(websocket: WebSocket) -> bool:

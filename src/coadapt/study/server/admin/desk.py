@@ -16,6 +16,7 @@ from coadapt.study.attempts import StoredAttempt, attempts_of
 from coadapt.study.export import export
 from coadapt.study.protocol import read_study
 from coadapt.study.record import Record, Standing, Stored, alias_of, standing
+from coadapt.study.robots import model_of
 from coadapt.study.server.admin.blinding import (
     Act,
     Unblinding,
@@ -27,7 +28,6 @@ from coadapt.study.server.admin.overview import Glance, glance
 from coadapt.study.server.admin.recording import Recording, recording_of
 from coadapt.study.server.service import Service, Status
 from coadapt.study.server.socket import Connections
-from coadapt.study.server.steering import model_of
 from coadapt.study.session import NotNow
 from coadapt.study.session.events import Noted
 from coadapt.study.store import Row, Store
