@@ -21,6 +21,9 @@ from coadapt.study.server.line import EXTENSION, DirectWebSocket, Line
 
 MUCH = b"x" * 1_000_000
 
+CLOSED = threading.Event()
+"""A line was closed without an error."""
+
 
 async def echo(websocket: WebSocket) -> None:
     """Says what it hears, "bytes" for bytes; hangs up at "end"; says much at "much"."""
@@ -39,9 +42,9 @@ async def echo(websocket: WebSocket) -> None:
     running = asyncio.create_task(line.run(hear))
     running.add_done_callback(lambda _: over.set())
     await over.wait()
-    if not running.done():
-        await line.close(4000)
+    await line.close(4000)
     running.cancel()
+    CLOSED.set()
 
 
 @contextmanager
@@ -91,6 +94,12 @@ def test_all_is_said_before_the_line_is_closed(page: ClientConnection) -> None:
     page.send("end")
     assert page.recv(timeout=10) == "a"
     assert closed(page) == 4000
+
+
+def test_a_line_is_closed_though_the_page_has_gone(page: ClientConnection) -> None:
+    CLOSED.clear()
+    page.socket.shutdown(socket.SHUT_RDWR)
+    assert CLOSED.wait(10)
 
 
 def test_what_is_no_text_closes_the_line(page: ClientConnection) -> None:

@@ -4,14 +4,18 @@ from __future__ import annotations
 
 import asyncio
 from collections.abc import Callable
+from contextlib import suppress
 from typing import cast
 
-from starlette.websockets import WebSocket
+from starlette.websockets import WebSocket, WebSocketDisconnect
 from uvicorn.protocols.websockets.websockets_sansio_impl import WebSocketsSansIOProtocol
 from websockets.http11 import Request
 
 EXTENSION = "coadapt.direct"
 """Of ASGI: under this name a scope holds its `DirectWebSocket`."""
+
+GONE = (WebSocketDisconnect, RuntimeError)
+"""What is raised where the page has gone, or the server has ended it at too long a message."""
 
 Hear = Callable[[str | None], None]
 """Takes a message of the page: a text, or None for bytes."""
@@ -104,12 +108,12 @@ class Line:
     async def close(self, code: int) -> None:
         """Hang up, once all is said."""
         await self._outgoing.join()
-        await self._websocket.close(code)
+        with suppress(*GONE):
+            await self._websocket.close(code)
 
     async def _write(self) -> None:
         while True:
             text = (await self._outgoing.get()).decode()
-            try:
+            with suppress(*GONE):
                 await self._websocket.send_text(text)
-            finally:
-                self._outgoing.task_done()
+            self._outgoing.task_done()
