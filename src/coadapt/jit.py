@@ -47,16 +47,17 @@ def bare(function: Function) -> Function:
     """Compile ``function`` for kernels alone to call: what Python would need is left out.
 
     It must make no arrays, nor call a function that does. Nobody counts references to arrays in it,
-    which takes most of the time of a small function.
+    which takes most of the time of a small function. It is not kept on disk: the kernels that call
+    it are, with its code in them.
     """
     return _compiled(function, from_python=False)
 
 
 def _compiled(function: Function, *, from_python: bool) -> Function:
     compiler: Any = numba.njit
-    compiled: Any = compiler(cache=True, no_cpython_wrapper=not from_python, _nrt=from_python)(
-        function
-    )
+    compiled: Any = compiler(
+        cache=from_python, no_cpython_wrapper=not from_python, _nrt=from_python
+    )(function)
     # numba asks only whether the kernel's own file changed, but the compiled code holds the kernels
     # it calls as well. So the stamp that it compares is made one of them all.
     cache_file = getattr(getattr(compiled, "_cache", None), "_cache_file", None)
