@@ -116,7 +116,7 @@ class Participant(asyncio.Protocol):
             assert b" 101 " in head.split(b"\r\n", 1)[0], head
             self._open, self._buffer = True, rest
             self._say('{"type":"ready"}')
-            self._loop.call_later(self._offset, self._press)
+            self._press_at(self._loop.time() + self._offset)
         while len(self._buffer) >= 2:
             code, length, start = self._buffer[0] & 15, self._buffer[1] & 127, 2
             if length == 126:
@@ -169,10 +169,18 @@ class Participant(asyncio.Protocol):
             first, then = self._first_step
             self._measured.late.append(now - then - (step - first) * self._step)
 
-    def _press(self) -> None:
+    def _press_at(self, due: float) -> None:
+        """Press then, and again and again: by a clock of one's own.
+
+        Were the next time counted from when this program came to it, everybody who was held up by
+        one delay of it would press at the same moment ever after, which people do not.
+        """
+        self._loop.call_at(due, self._press, due)
+
+    def _press(self, due: float) -> None:
         if not self._open:
             return
-        self._loop.call_later(1 / INPUTS, self._press)
+        self._press_at(due + 1 / INPUTS)
         if self._playing:
             self._sequence += 1
             given = "null" if self._sequence % 2 == 0 else f"{self._sequence // 2 % 3}"
