@@ -1,7 +1,8 @@
-"""Checkpoints of SQLite beside the writing."""
+"""What SQLite writes where: checkpoints beside the writing, pages."""
 
 from __future__ import annotations
 
+import sqlite3
 import time
 from pathlib import Path
 
@@ -30,3 +31,21 @@ def test_what_is_written_goes_to_the_database_file(
     checkpoints.stop()
     assert [row.key for row in store.rows()] == ["a-key-of-a-session"]
     store.close()
+
+
+def test_a_new_file_has_small_pages_and_an_older_one_keeps_its_own(tmp_path: Path) -> None:
+    for size, name in ((1024, "new.db"), (4096, "old.db")):
+        path = tmp_path / name
+        if size == 4096:  # as SQLite makes it if nobody says anything
+            with sqlite3.connect(path) as connection:
+                connection.execute("PRAGMA journal_mode = WAL")
+                connection.execute("CREATE TABLE other (x)")
+            connection.close()
+        store = Store(f"sqlite:///{path}")
+        with store.database.writing() as connection:
+            store.add_session(connection, "key", None, Opened(parameters={}))
+        store.close()
+        with sqlite3.connect(path) as connection:
+            assert connection.execute("PRAGMA page_size").fetchone() == (size,)
+            assert connection.execute("SELECT key FROM sessions").fetchone() == ("key",)
+        connection.close()

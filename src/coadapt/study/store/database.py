@@ -30,9 +30,13 @@ an older event without a newer one. PostgreSQL always gives the first."""
 
 ALLOCATION_LOCK = 0x636F6164  # any number that nobody else locks in this database
 
-CHECKPOINT_PAGES = 16_000
-"""The write-ahead log of SQLite is emptied at this many pages of 4 kB at the latest, by who writes
-then; see `coadapt.study.store.checkpoints`."""
+PAGE = 1024
+"""Bytes of a page of a new SQLite file. Every session under way has a page of its own in the index
+of events, and a commit writes each that it touches: with SQLite's own 4096 four times as much."""
+
+CHECKPOINT_PAGES = 64_000
+"""The write-ahead log of SQLite is emptied at this many pages at the latest, by who writes then;
+see `coadapt.study.store.checkpoints`."""
 
 CACHED = 16_000
 """Kilobytes of a SQLite file that a connection remembers: of every session under way the page to
@@ -244,6 +248,7 @@ def _prepare_sqlite(engine: Engine, durability: Durability) -> None:
         connection.isolation_level = None
         synchronous = "FULL" if durability == "power" else "NORMAL"
         for pragma in (
+            f"page_size = {PAGE}",  # of a file that has no tables yet
             "journal_mode = WAL",
             f"synchronous = {synchronous}",
             "foreign_keys = ON",
