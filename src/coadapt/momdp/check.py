@@ -11,6 +11,7 @@ import warnings
 
 import numpy as np
 from numpy.typing import NDArray
+from scipy import sparse
 
 from coadapt.arrays import BoolArray, FloatArray, IntArray
 from coadapt.momdp.mistakes import (
@@ -24,8 +25,6 @@ from coadapt.momdp.mistakes import (
 )
 from coadapt.momdp.model import MOMDP
 from coadapt.momdp.transition import HiddenTransition, SparseTransition
-
-# scipy is imported where it is used: it takes a third of the time in which a command starts.
 
 __all__ = ["MOMDPError", "MOMDPWarning", "check_momdp"]
 
@@ -247,8 +246,6 @@ def _check_transition_rows(
                 np.abs(mixing - 1) > tolerance,
                 lambda at: f"row {at[0]} of transition.mixing sums to {mixing[at]}, expected 1",
             )
-    from scipy import sparse  # noqa: PLC0415
-
     ones = np.ones(len(problem.edge_map))
     uses = sparse.csr_array((ones, problem.edge_map, problem.edge_start), shape=(x * a, t.count))
     sums = np.asarray(uses @ t.row_sums()).reshape(x, a, y)
@@ -264,8 +261,6 @@ def _check_transition_rows(
 def _check_observation_rows(
     problem: MOMDP, mistakes: Mistakes, names: Names, tolerance: float
 ) -> None:
-    from scipy import sparse  # noqa: PLC0415
-
     t = problem.transition
     actions = row_of_edge(problem) % problem.shape[2]
     used = problem.observation_index[actions, problem.edge_next]  # [E]
@@ -337,7 +332,7 @@ def _check_labels(problem: MOMDP, mistakes: Mistakes) -> None:
 
 
 def _warn_unreachable(problem: MOMDP, limit: int) -> None:
-    from scipy import sparse  # noqa: PLC0415
+    # Slow to import, and a command that reads a file does not need it.
     from scipy.sparse import csgraph  # noqa: PLC0415
 
     x, _, a, _ = problem.shape

@@ -8,6 +8,7 @@ from pathlib import Path
 from coadapt.errors import FileError
 from coadapt.momdp.files.cassandra_reader import read_cassandra
 from coadapt.momdp.files.limits import MAX_FILE_BYTES
+from coadapt.momdp.files.pomdpx_reader import read_pomdpx
 from coadapt.momdp.model import MOMDP
 
 
@@ -31,9 +32,6 @@ def read_pomdp(path: str | os.PathLike[str]) -> MOMDP:
     check_openable(place)
     try:
         if suffix == ".pomdpx":
-            # Needs scipy, which is slow to import.
-            from coadapt.momdp.files.pomdpx_reader import read_pomdpx  # noqa: PLC0415
-
             with place.open("rb") as file:
                 return read_pomdpx(place, file)
         # Old files have comments in any encoding; their words are ASCII.
