@@ -77,9 +77,9 @@ def leading_action(p: Problem, tree: Tree, n: int) -> int:
 def backup_lower(p: Problem, tree: Tree, n: int, scratch: Scratch, every: bool) -> None:
     """Add the alpha vector of the best action at opened node ``n``, if it raises the bound.
 
-    Only actions that once led by their upper bound are looked at: the optimal one does sooner or
-    later, and most of the others never need children. Unless ``every`` one of these is asked for,
-    only the one that leads now and the one that the policy takes so far are looked at.
+    Only the one that leads by its upper bound and the one that the policy takes so far are looked
+    at. With ``every`` all that have children are, and one more is given them, so that in time none
+    is left out that could be better.
     """
     actions = p.reward.shape[1]
     node = tree.nodes[n]
@@ -89,10 +89,15 @@ def backup_lower(p: Problem, tree: Tree, n: int, scratch: Scratch, every: bool) 
     best_value = node["lower"] + GAIN * (1.0 + abs(node["lower"]))
     leading = leading_action(p, tree, n)
     taken = tree.vectors[node["vector"]]["action"]
+    may_expand = every
     for a in range(actions):
         branch = tree.branches[r + a]
         asked = every or a in (leading, taken)
-        if asked and branch["first_child"] != NONE and branch["upper"] > best_value:
+        ready = branch["first_child"] != NONE
+        if asked and (ready or may_expand) and branch["upper"] > best_value:
+            if not ready:
+                expand_branch(p, tree, n, a, scratch)
+                may_expand = False
             value = q_lower(p, tree, r + a, scratch)
             if value > best_value:
                 best = a

@@ -8,8 +8,12 @@ have to undercut, to matter at the root. It goes on below its target gap where t
 says that the lower bound at the root would rise. Then every node on the path is backed up, the last
 first.
 
-Every second trial takes the actions of the policy so far instead, and backs up the lower bounds
-alone. That raises them where the upper ones mislead. Between trials come sweeps (see `sweep`).
+Upper bounds mislead where they are loose. So every second trial follows the policy so far, and on
+its way back looks at other actions too. It follows more or less: each step takes the action with
+the best mean of both bounds, and the weights in that mean change from step to step. A trial that
+did exactly what the policy does would miss all that takes more than one other step. Half of these
+trials leave the policy for good somewhere on the way, and explore from there. Between trials come
+sweeps (see `sweep`).
 """
 
 from __future__ import annotations
@@ -34,6 +38,7 @@ from coadapt.momdp.sarsop.tree import (
     LISTED_POINTS,
     NONE,
     POINTS,
+    REACHED,
     SWEEP,
     TRIALS,
     VECTORS,
@@ -57,8 +62,12 @@ FEW = 64
 """So few more are not worth the trouble."""
 
 AIMS = (0.2, 0.5, 0.4, 0.5, 0.6, 0.5, 0.8, 0.5)
-"""At which part of the gap it starts from a trial aims, in turn: those in the odd places follow the
-policy, some far down and some not so far, since no single depth suits every problem."""
+"""At which part of the gap it starts from a trial aims, in turn: the first, third and so on follow
+the policy, some far down and some not so far, since no single depth suits every problem."""
+
+TRIAL_STRIDE, DEPTH_STRIDE = 0.6180339887, 0.7548776662
+"""Multiples of these, modulo 1, fill the interval evenly: one over the golden ratio, and over the
+plastic ratio."""
 
 VISITS = 3.0
 """A child's gap weighs one over the square root of this and the number of its visits."""
@@ -151,14 +160,18 @@ def run_trials(
         tree.used[TRIALS] += 1
         turn = int(tree.used[TRIALS]) % len(AIMS)
         exploit = turn % 2 == 0
+        follow = steps_to_follow(tree)
+        to_the_end = follow == DEPTH_LIMIT
         aim = max(allowed, AIMS[turn] * widest)
-        depth = descend(p, tree, bins, root, aim, room, path, scratch, exploit)
+        depth = descend(p, tree, bins, root, aim, follow, room, path, scratch)
         if depth < 0:
             return NO_ROOM
+        if to_the_end:
+            tree.used[REACHED] = depth
         for i in range(depth, -1, -1):
             if not has_room(tree, room):
                 return NO_ROOM
-            if not exploit:
+            if not to_the_end:
                 backup_upper(p, tree, path[i], scratch)
             backup_lower(p, tree, path[i], scratch, exploit)
         if tree.used[VECTORS] + tree.used[POINTS] + tree.used[CHILDREN] > before:
@@ -170,13 +183,42 @@ def run_trials(
 
 
 @bare
-def policy_action(p: Problem, tree: Tree, n: int, scratch: Scratch) -> int:
-    """The action that the policy so far takes at opened node ``n``; its branch has children."""
-    refresh_lower(tree, n, scratch)
-    a = int(tree.vectors[tree.nodes[n]["vector"]]["action"])
-    if tree.branches[tree.nodes[n]["first_branch"] + a]["first_child"] == NONE:
-        expand_branch(p, tree, n, a, scratch)
-    return a
+def steps_to_follow(tree: Tree) -> int:
+    """For how many steps the trial that is due follows the policy: to the end, some, or none."""
+    trial = int(tree.used[TRIALS])
+    if trial % 4 == 0:
+        return DEPTH_LIMIT
+    if trial % 2 == 0:
+        return int(tree.used[REACHED] * (trial // 4 * TRIAL_STRIDE % 1.0))
+    return 0
+
+
+@bare
+def promising_action(p: Problem, tree: Tree, n: int, optimism: float, scratch: Scratch) -> int:
+    """The action at opened node ``n`` with the best mean of both bounds of Q, where ``optimism``
+    weighs the upper one; its branch has children.
+
+    Without any it is what the policy so far takes. Others are given children only where their upper
+    bound is larger than that one's.
+    """
+    lower = refresh_lower(tree, n, scratch)
+    r = tree.nodes[n]["first_branch"]
+    taken = int(tree.vectors[tree.nodes[n]["vector"]]["action"])
+    enough = max(lower, float(tree.branches[r + taken]["upper"]))
+    best = taken
+    best_mean = -np.inf
+    for a in range(p.reward.shape[1]):
+        branch = tree.branches[r + a]
+        ready = branch["first_child"] != NONE and branch["upper"] > lower
+        if a == taken or ready or branch["upper"] > enough:
+            if branch["first_child"] == NONE:
+                expand_branch(p, tree, n, a, scratch)
+            mean = (1.0 - optimism) * q_lower(p, tree, r + a, scratch)
+            mean += optimism * branch["upper"]
+            if mean > best_mean:
+                best = a
+                best_mean = mean
+    return best
 
 
 @bare
@@ -186,15 +228,16 @@ def descend(
     bins: Bins,
     root: int,
     gap: float,
+    follow: int,
     room: IntArray,
     path: IntArray,
     scratch: Scratch,
-    exploit: bool,
 ) -> int:
     """Write the nodes of a trial to ``path``; the index of the last, or -1 for want of room.
 
-    With ``exploit`` the trial takes the actions of the policy so far.
+    For ``follow`` steps the trial more or less follows the policy so far.
     """
+    optimism = tree.used[TRIALS] // 2 * TRIAL_STRIDE % 1.0
     n = root
     allowed = gap
     target_lower = refresh_lower(tree, n, scratch)
@@ -206,7 +249,11 @@ def descend(
             return -1
         if tree.nodes[n]["first_branch"] == NONE:
             open_node(p, tree, n, scratch)
-        best = policy_action(p, tree, n, scratch) if exploit else backup_upper(p, tree, n, scratch)
+        if depth < follow:
+            best = promising_action(p, tree, n, optimism, scratch)
+            optimism = (optimism + DEPTH_STRIDE) % 1.0
+        else:
+            best = backup_upper(p, tree, n, scratch)
         lower = refresh_lower(tree, n, scratch)
         upper = tree.nodes[n]["upper"]
         if depth == DEPTH_LIMIT or upper - lower <= 0.0 or p.discount == 0.0:

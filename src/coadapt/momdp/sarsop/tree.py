@@ -31,7 +31,8 @@ BACKUPS, TRIALS = 7, 8
 LISTED, KEPT = 9, 10  # alpha vectors in the lists now, and after the last time some retired
 LISTED_POINTS, KEPT_POINTS = 11, 12  # the same of points
 SWEEP = 13  # how many backups there will be when the next sweep is due
-COUNTS = 14
+REACHED = 14  # how deep the last trial went that followed the policy to its end
+COUNTS = 15
 
 LANES = 32
 """Alpha vectors in a group, where there are few states."""
