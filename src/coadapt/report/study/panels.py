@@ -152,11 +152,13 @@ def _against(axes: Axes, found: Analysis, values: dict[str, FloatArray], scale: 
     for name, (x, y) in centres.items():
         on_left = x > (low + high) / 2
         axes.annotate(
-            title_of(name),
+            two_lines(name),
             (x, y),
-            xytext=(-5 if on_left else 5, 5),
+            xytext=(-5 if on_left else 5, 3),
             textcoords="offset points",
             ha="right" if on_left else "left",
+            va="bottom",
+            linespacing=0.95,
             fontsize=6.6,
             color=text_color(style[name][0]),
         )
