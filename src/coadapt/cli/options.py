@@ -27,6 +27,13 @@ def numbers(text: str) -> tuple[float, ...]:
         raise click.BadParameter(f"{text!r} is not a list of numbers like 0,0.5,1") from None
 
 
+def number_option(
+    flag: str, kind: click.ParamType, default: float, meaning: str
+) -> Callable[[Function], Function]:
+    """An option for a number, whose default the help shows."""
+    return click.option(flag, type=kind, default=default, show_default=True, help=meaning)
+
+
 # Name, type, default, meaning. The defaults are those of `RobotSetup`, repeated so that the help
 # need not import it; a test compares them. A task has defaults of its own.
 SETUP_OPTIONS: tuple[tuple[str, Any, object, str], ...] = (

@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from coadapt.cli.options import changed_setup, setup_options
+from coadapt.cli.options import changed_setup, number_option, setup_options
 from coadapt.cli.outputs import require_writable
 from coadapt.cli.progress import progress_line
 from coadapt.errors import InputError, printable
@@ -47,54 +47,33 @@ def _sizes(text: str) -> tuple[int, ...]:
 
 @click.command(name="power")
 @click.argument("task", required=False)
-@click.option(
-    "--mean",
-    type=click.FloatRange(0, 1),
-    default=0.5,
-    show_default=True,
-    help="Mean adaptability in the population.",
+@number_option("--mean", click.FloatRange(0, 1), 0.5, "Mean adaptability in the population.")
+@number_option(
+    "--sd", click.FloatRange(0, 0.5), 0.25, "Its standard deviation (beta distribution)."
 )
-@click.option(
-    "--sd",
-    type=click.FloatRange(0, 0.5),
-    default=0.25,
-    show_default=True,
-    help="Its standard deviation (beta distribution).",
+@number_option(
+    "--noise", click.FloatRange(0, 1), 0.0, "Mean rate of inputs other than those meant."
 )
-@click.option(
-    "--noise",
-    type=click.FloatRange(0, 1),
-    default=0.0,
-    show_default=True,
-    help="Mean rate of inputs other than those meant.",
-)
-@click.option(
+@number_option(
     "--noise-sd",
-    type=click.FloatRange(0, 0.5),
-    default=0.0,
-    show_default=True,
-    help="Its standard deviation among people (beta distribution); 0: the same for all.",
+    click.FloatRange(0, 0.5),
+    0.0,
+    "Its standard deviation among people (beta distribution); 0: the same for all.",
 )
-@click.option(
+@number_option(
     "--lapses",
-    type=click.FloatRange(0, 1),
-    default=0.0,
-    show_default=True,
-    help="Mean share of the steps in which people are absent-minded.",
+    click.FloatRange(0, 1),
+    0.0,
+    "Mean share of the steps in which people are absent-minded.",
 )
-@click.option(
+@number_option(
     "--lapses-sd",
-    type=click.FloatRange(0, 0.5),
-    default=0.0,
-    show_default=True,
-    help="Its standard deviation among people (beta distribution); 0: the same for all.",
+    click.FloatRange(0, 0.5),
+    0.0,
+    "Its standard deviation among people (beta distribution); 0: the same for all.",
 )
-@click.option(
-    "--lapse-steps",
-    type=click.FloatRange(1),
-    default=3.0,
-    show_default=True,
-    help="Mean number of steps that a lapse lasts.",
+@number_option(
+    "--lapse-steps", click.FloatRange(1), 3.0, "Mean number of steps that a lapse lasts."
 )
 @click.option(
     "--sizes",
@@ -122,12 +101,8 @@ def _sizes(text: str) -> tuple[int, ...]:
 @click.option(
     "--first-mode", metavar="GOAL", help="The goal all want at first.  [that of least reward]"
 )
-@click.option(
-    "--wanted",
-    type=click.FloatRange(0, 1, min_open=True, max_open=True),
-    default=0.8,
-    show_default=True,
-    help="The power to reach.",
+@number_option(
+    "--wanted", click.FloatRange(0, 1, min_open=True, max_open=True), 0.8, "The power to reach."
 )
 @click.option("--experiments", type=click.IntRange(10, 1_000_000), default=2000, show_default=True)
 @click.option("--seed", type=click.IntRange(0), default=0, show_default=True, metavar="N")

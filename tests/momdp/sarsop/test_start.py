@@ -18,6 +18,8 @@ from tests.momdp.strategies import jump_momdps, momdps
 
 ROUNDING = 1e-9
 NO_SEARCH = SARSOP(max_backups=0)
+SOLVED = 1e-3
+"""Gap of a solution to start from."""
 
 
 @pytest.mark.parametrize(
@@ -26,12 +28,11 @@ NO_SEARCH = SARSOP(max_backups=0)
     ids=["tiger", "table clearing"],
 )
 def test_a_solution_is_as_good_a_start(problem: MOMDP) -> None:
-    solved = SARSOP(gap=1e-3).solve(problem)
+    solved = SARSOP(gap=SOLVED).solve(problem)
     again = NO_SEARCH.solve(problem, solved.policy)
-    # The controller follows the policy from the roots. What it sums up is settled to 1e-6 of the
-    # largest reward.
-    allowed = 1e-6 * float(np.abs(problem.reward).max())
-    assert np.all(again.root_lower >= solved.root_lower - allowed)
+    # The controller follows the policy from the roots. A vector that is best at several beliefs is
+    # followed as at the first of them, which may cost a little: much less than the solver left.
+    assert np.all(again.root_lower >= solved.root_lower - 0.1 * SOLVED)
     assert np.all(again.root_lower <= solved.root_upper + ROUNDING)
 
 

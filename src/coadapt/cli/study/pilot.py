@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 
 import click
 
-from coadapt.cli.options import numbers
+from coadapt.cli.options import number_option, numbers
 from coadapt.cli.progress import progress_line
 from coadapt.cli.study.data import database_option
 from coadapt.cli.study.serve import require_extra
@@ -61,33 +61,19 @@ FAILED = 1
     show_default=True,
     help="Values of alpha, equally likely.",
 )
-@click.option(
-    "--noise",
-    type=click.FloatRange(0, 1),
-    default=0.05,
-    show_default=True,
-    help="Probability of an arbitrary input.",
-)
-@click.option(
-    "--leaves",
-    type=click.FloatRange(0, 1),
-    default=0.06,
-    show_default=True,
-    help="Probability of dropping out.",
-)
-@click.option(
+@number_option("--noise", click.FloatRange(0, 1), 0.05, "Probability of an arbitrary input.")
+@number_option("--leaves", click.FloatRange(0, 1), 0.06, "Probability of dropping out.")
+@number_option(
     "--reloads",
-    type=click.FloatRange(0, 1),
-    default=0.04,
-    show_default=True,
-    help="Probability of loading the page again while steering.",
+    click.FloatRange(0, 1),
+    0.04,
+    "Probability of loading the page again while steering.",
 )
-@click.option(
+@number_option(
     "--disconnects",
-    type=click.FloatRange(0, 1),
-    default=0.04,
-    show_default=True,
-    help="Probability of losing the connection while steering.",
+    click.FloatRange(0, 1),
+    0.04,
+    "Probability of losing the connection while steering.",
 )
 @click.option(
     "--url", default=None, metavar="URL", help="A server that is running.  [one of the pilot's own]"

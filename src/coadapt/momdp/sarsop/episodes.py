@@ -10,6 +10,7 @@ import numpy as np
 from coadapt.arrays import BoolArray, FloatArray, Int32Array, IntArray
 from coadapt.jit import bare, kernel
 from coadapt.momdp.policy import AlphaVectorPolicy
+from coadapt.momdp.sarsop.bounds import lane_totals
 from coadapt.momdp.sarsop.problem import Problem, push, row_of
 
 OVER = -1
@@ -176,18 +177,15 @@ def best_action(
 
     ``values`` is scratch with room for all vectors of one observed state.
     """
-    count = policy.start[x + 1] - policy.start[x]
-    values[:count] = 0.0
-    for i in range(index.shape[0]):
-        first = policy.start[x] * hidden + index[i] * count
-        m = mass[i]
-        for v in range(count):
-            values[v] += m * policy.value[first + v]
+    first, last = policy.start[x], policy.start[x + 1]
+    count = last - first
+    table = policy.value[first * hidden : last * hidden].reshape((hidden, count))
+    lane_totals(table, index, mass, values[:count])
     best = 0
     for v in range(1, count):
         if values[v] > values[best]:
             best = v
-    return int(policy.action[policy.start[x] + best])
+    return int(policy.action[first + best])
 
 
 @bare
