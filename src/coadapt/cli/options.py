@@ -28,7 +28,7 @@ def numbers(text: str) -> tuple[float, ...]:
 
 
 def number_option(
-    flag: str, kind: click.ParamType, default: float, meaning: str
+    flag: str, kind: click.FloatRange, default: float, meaning: str
 ) -> Callable[[Function], Function]:
     """An option for a number, whose default the help shows."""
     return click.option(flag, type=kind, default=default, show_default=True, help=meaning)

@@ -24,7 +24,7 @@ from coadapt.robots.fixed import NoAdaptation
 from coadapt.robots.match import MatchRule
 from coadapt.robots.mutual import MutualAdaptation
 from coadapt.robots.one_way import OneWayAdaptation
-from coadapt.robots.robot import NO_INPUT, Robot
+from coadapt.robots.robot import NO_INPUT
 from coadapt.worlds import table_clearing
 
 RobotName = Literal["mutual_adaptation", "one_way_adaptation", "no_adaptation"]
@@ -47,6 +47,10 @@ MOST_ADAPTABILITIES = 100
 
 MOST_WINDOWS = 100_000
 """Windows of the last steps; they grow exponentially with the memory."""
+
+
+ConditionRobot = MutualAdaptation | OneWayAdaptation | NoAdaptation
+"""A robot of one of the conditions of Sec. 6.1."""
 
 
 class SetupError(InputError):
@@ -164,7 +168,7 @@ class RobotSetup(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_field
             raise SetupError("step_cost", f"cannot be used: {error}") from error
         return model
 
-    def build(self, progress: Progress | None = None) -> Robot:
+    def build(self, progress: Progress | None = None) -> ConditionRobot:
         """The robot, its policy planned now, see `planned_robot`.
 
         Raises:
@@ -196,7 +200,7 @@ class Planned(Protocol):
         ...
 
 
-def planned_robot(setup: Planned, progress: Progress | None = None) -> Robot:
+def planned_robot(setup: Planned, progress: Progress | None = None) -> ConditionRobot:
     """The robot of ``setup``, its policy planned now.
 
     Args:
@@ -226,7 +230,9 @@ def planning_problem(setup: Planned, model: SharedAutonomy) -> MOMDP | None:
     return (model.one_way() if setup.robot == "one_way_adaptation" else model).to_momdp()
 
 
-def robot_with(setup: Planned, model: SharedAutonomy, policy: AlphaVectorPolicy | None) -> Robot:
+def robot_with(
+    setup: Planned, model: SharedAutonomy, policy: AlphaVectorPolicy | None
+) -> ConditionRobot:
     """The robot of ``setup`` in its ``model``, with a solution of its `planning_problem`."""
     if policy is None:
         return NoAdaptation(model)

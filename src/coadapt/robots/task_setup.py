@@ -9,8 +9,8 @@ import msgspec
 
 from coadapt.formalism import SharedAutonomy
 from coadapt.requirements import FieldError
-from coadapt.robots.robot import Robot
 from coadapt.robots.setup import (
+    ConditionRobot,
     Progress,
     RobotName,
     RobotSetup,
@@ -57,7 +57,7 @@ class TaskSetup(msgspec.Struct, frozen=True, kw_only=True, forbid_unknown_fields
         """
         return self.task.build()
 
-    def build(self, progress: Progress | None = None) -> Robot:
+    def build(self, progress: Progress | None = None) -> ConditionRobot:
         """The robot, its policy planned now, see `planned_robot`.
 
         Raises:

@@ -12,8 +12,13 @@ import msgspec
 from coadapt.formalism import SharedAutonomy
 from coadapt.momdp.files import read_policy, write_policy
 from coadapt.momdp.policy import AlphaVectorPolicy
-from coadapt.robots import Robot
-from coadapt.robots.setup import Progress, planned_policy, planning_problem, robot_with
+from coadapt.robots.setup import (
+    ConditionRobot,
+    Progress,
+    planned_policy,
+    planning_problem,
+    robot_with,
+)
 from coadapt.robots.task_setup import TaskSetup
 from coadapt.study.protocol import Condition, Study
 from coadapt.study.protocol.reader import study_task
@@ -22,7 +27,7 @@ from coadapt.tasks import Task
 POLICIES = "policies"
 """The folder of a study's directory that holds its policies."""
 
-Robots = Mapping[tuple[str, int], Robot]
+Robots = Mapping[tuple[str, int], ConditionRobot]
 """By the name of the condition and the index of the chosen goal."""
 
 
@@ -67,7 +72,9 @@ def load_robots(
     }
 
 
-def _load(setup: TaskSetup, directory: str | os.PathLike[str], progress: Progress | None) -> Robot:
+def _load(
+    setup: TaskSetup, directory: str | os.PathLike[str], progress: Progress | None
+) -> ConditionRobot:
     model = setup.model()
     problem = planning_problem(setup, model)
     if problem is None:

@@ -3,17 +3,16 @@
 from __future__ import annotations
 
 from collections.abc import Iterable
-from typing import cast
 
 import numpy as np
 
 from coadapt.arrays import FloatArray
 from coadapt.formalism import SharedAutonomy
 from coadapt.human.history import NO_ACTION
-from coadapt.robots import NO_INPUT, Robot
+from coadapt.robots import NO_INPUT
 from coadapt.robots.decide import DecisionsInTurn
 from coadapt.robots.robot import require_situation
-from coadapt.robots.tables import TabledRobot
+from coadapt.robots.setup import ConditionRobot
 from coadapt.simulation.draw import draw
 from coadapt.simulation.simulate import draw_start
 from coadapt.study.session.events import Began, Belief, Finished, Stepped
@@ -24,7 +23,7 @@ class Attempt:
     """A trial with a robot.
 
     Args:
-        robot: decides; one that can be told as arrays.
+        robot: decides.
         stage: of the session.
         attempt: how often it has begun, from 1.
         belief: ``[A][M]`` the robot's at the start; its prior if None.
@@ -34,7 +33,7 @@ class Attempt:
 
     def __init__(
         self,
-        robot: Robot,
+        robot: ConditionRobot,
         stage: Stage,
         attempt: int,
         belief: Belief | None,
@@ -44,7 +43,7 @@ class Attempt:
         model = robot.model
         start = draw_start(model, rng)
         robot.reset(None if belief is None else np.array(belief))
-        self._decisions = DecisionsInTurn(cast("TabledRobot", robot).tables, robot.belief)
+        self._decisions = DecisionsInTurn(robot.tables, robot.belief)
         self._window = int(model.windows.beginning[start])
         self._steps = 0
         self._rng = rng
