@@ -3,12 +3,13 @@
 from __future__ import annotations
 
 import os
-import tempfile
 from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
 from hypothesis import HealthCheck, settings
+
+from tests.directories import remove_shared_directories
 
 # `default` tries the same examples on every run. `HYPOTHESIS_PROFILE=explore` draws new ones.
 _LESS = [HealthCheck.too_slow, HealthCheck.data_too_large]
@@ -24,11 +25,9 @@ SHARED = Path(__file__).parents[2] / "shared"
 
 
 @pytest.fixture(scope="session", autouse=True)
-def _cleared_up(tmp_path_factory: pytest.TempPathFactory) -> Iterator[None]:
-    """Directories that several tests share lie where pytest clears up after them."""
-    before, tempfile.tempdir = tempfile.tempdir, str(tmp_path_factory.getbasetemp())
+def _cleared_up() -> Iterator[None]:
     yield
-    tempfile.tempdir = before
+    remove_shared_directories()
 
 
 @pytest.fixture(scope="session")

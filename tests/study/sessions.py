@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from functools import cache
 from pathlib import Path
-from tempfile import mkdtemp
 
 import msgspec
 import numpy as np
@@ -36,6 +35,7 @@ from coadapt.study.session.events import (
 from coadapt.study.session.machine import asked_questions, stage_of
 from coadapt.study.store import Digest, Kept, Row
 from coadapt.study.trial import Attempt, Practice
+from tests.directories import shared_directory
 
 NOON = 1_790_000_000.0
 """Seconds since 1970: when the first session begins."""
@@ -44,7 +44,7 @@ NOON = 1_790_000_000.0
 @cache
 def small_study() -> tuple[Path, Study, Robots]:
     """The template with the small table, its robots planned once for all tests."""
-    directory = Path(mkdtemp(prefix="coadapt-study-"))
+    directory = shared_directory("coadapt-study-")
     text = template().decode().replace('"table_clearing"', '"table_clearing_small"')
     (directory / FILE).write_text(text, encoding="utf-8")
     study = read_study(directory)

@@ -5,9 +5,9 @@ from __future__ import annotations
 import shutil
 from functools import cache
 from pathlib import Path
-from tempfile import mkdtemp
 
 from coadapt.cli import main
+from tests.directories import shared_directory
 from tests.study.sessions import small_study
 
 SEED = 3
@@ -20,7 +20,7 @@ TROUBLE = ("--leaves", "0.4", "--reloads", "0.15", "--disconnects", "0.15")
 
 def fresh(prefix: str) -> Path:
     """A directory with the small study, its policies planned."""
-    directory = Path(mkdtemp(prefix=prefix)) / "s"
+    directory = shared_directory(prefix) / "s"
     shutil.copytree(small_study()[0], directory)
     return directory
 
