@@ -100,6 +100,17 @@ def test_a_start_policy_is_used(capsys: pytest.CaptureFixture[str]) -> None:
     assert found["lower"] >= OPTIMUM.upper[0] - 2e-3
 
 
+def test_a_condensed_policy_is_written(capsys: pytest.CaptureFixture[str]) -> None:
+    arguments = ["solve", "table_clearing_small", "--condense", "--out", "c.coadapt"]
+    assert main([*arguments, "--json"]) == 0
+    found = json.loads(capsys.readouterr().out)
+    policy = read_policy("c.coadapt")
+    assert found["policy_vectors"] == len(policy.vectors) < found["vectors"]
+    assert found["lower"] - found["gap"] <= found["policy_lower"] <= found["upper"]
+    assert main(arguments) == 0
+    assert f"{len(policy.vectors):,} alpha vectors, value at least" in capsys.readouterr().out
+
+
 def test_every_status_has_words() -> None:
     assert {status.value for status in Status} == set(ENDS)
 

@@ -19,7 +19,7 @@ from coadapt.cli.progress import progress_line
 from coadapt.errors import FileError, InputError, printable
 
 if TYPE_CHECKING:
-    from coadapt.momdp import MOMDP
+    from coadapt.momdp import MOMDP, AlphaVectorPolicy
     from coadapt.momdp.sarsop import Record, Solution
 
 INTERRUPTED = 128 + 2
@@ -76,6 +76,11 @@ ENDS = {
     help="Where to write the policy: .policyx (XML) or .coadapt (compact).  [NAME.policyx]",
 )
 @click.option(
+    "--condense",
+    is_flag=True,
+    help="Write far fewer alpha vectors, valued anew; their bound may be a little lower.",
+)
+@click.option(
     "--trace",
     type=click.Path(path_type=Path),
     metavar="CSV",
@@ -93,6 +98,7 @@ def command(
     memory_limit: int | None,
     start_policy: Path | None,
     out: Path | None,
+    condense: bool,
     trace: Path | None,
     as_json: bool,
     quiet: bool,
@@ -108,7 +114,7 @@ def command(
     """
     from coadapt.momdp.files import read_policy, write_policy
     from coadapt.momdp.files.policies import policy_suffix
-    from coadapt.momdp.sarsop import SARSOP, compile_kernels, kernels_are_compiled
+    from coadapt.momdp.sarsop import SARSOP, compile_kernels, condensed, kernels_are_compiled
     from coadapt.momdp.sarsop.search import COMPILING
 
     try:
@@ -154,7 +160,9 @@ def command(
         if start_policy is None:
             raise
         raise FileError(start_policy, None, f"cannot be the start: {error}") from error
-    write_policy(solution.policy, target)
+    policy = condensed(momdp, solution.policy) if condense else solution.policy
+    policy_lower = _value(momdp, policy) if condense else solution.lower
+    write_policy(policy, target)
     if trace is not None:
         _write_trace(solution.trace, trace)
     if as_json:
@@ -175,12 +183,22 @@ def command(
             "launch_seconds": launch_seconds,
             "peak_memory_mb": peak_memory_mb(),
             "policy": str(target),
+            "policy_lower": policy_lower,
+            "policy_vectors": len(policy.vectors),
         }
         click.echo(json.dumps(record))
     else:
         click.echo(_summary(problem, momdp, solution, load_seconds))
+        if condense:
+            vectors = f"{len(policy.vectors):,} alpha vectors"
+            click.echo(f"  condensed  {vectors}, value at least {policy_lower:.6g}")
         click.echo(f"Policy written to {printable(str(target))}")
     return INTERRUPTED if solution.status.value == "interrupted" else 0
+
+
+def _value(problem: MOMDP, policy: AlphaVectorPolicy) -> float:
+    """What the alpha vectors promise, weighted by the probability of the roots."""
+    return sum(root.probability * policy.value(root.x, root.belief) for root in problem.roots)
 
 
 def _summary(name: str, problem: MOMDP, solution: Solution, load_seconds: float) -> str:

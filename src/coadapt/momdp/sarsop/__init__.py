@@ -1,5 +1,6 @@
 """SARSOP for mixed-observability MDPs."""
 
+from coadapt.momdp.sarsop.controller import condensed
 from coadapt.momdp.sarsop.search import compile_kernels, kernels_are_compiled
 from coadapt.momdp.sarsop.solution import Record, Solution, Status
 from coadapt.momdp.sarsop.solver import SARSOP
@@ -10,5 +11,6 @@ __all__ = [
     "Solution",
     "Status",
     "compile_kernels",
+    "condensed",
     "kernels_are_compiled",
 ]

@@ -149,7 +149,7 @@ def run_steps(
                     index[size] = y
                     mass[size] = now.belief[n, y]
                     size += 1
-            a = best_action(policy, x, index[:size], mass[:size], hidden, values)
+            a = policy.action[best_vector(policy, x, index[:size], mass[:size], hidden, values)]
             reward = p.reward[x, a, now.y[n]]
             now.total[n] += scale * reward
             scale *= p.discount
@@ -170,10 +170,10 @@ def run_steps(
 
 
 @bare
-def best_action(
+def best_vector(
     policy: Columns, x: int, index: Int32Array, mass: FloatArray, hidden: int, values: FloatArray
 ) -> int:
-    """The action of the best vector of ``x`` at the belief with ``mass`` on ``index``.
+    """The best vector of ``x`` at the belief with ``mass`` on ``index``.
 
     ``values`` is scratch with room for all vectors of one observed state.
     """
@@ -185,7 +185,7 @@ def best_action(
     for v in range(1, count):
         if values[v] > values[best]:
             best = v
-    return int(policy.action[first + best])
+    return int(first) + best
 
 
 @bare

@@ -11,6 +11,7 @@ from coadapt.jit import is_compiled
 from coadapt.momdp.model import MOMDP, Root
 from coadapt.momdp.policy import AlphaVectorPolicy
 from coadapt.momdp.sarsop.bounds import add_vectors
+from coadapt.momdp.sarsop.controller import controller, controller_values
 from coadapt.momdp.sarsop.expand import plant
 from coadapt.momdp.sarsop.initial import (
     SETTLED,
@@ -32,7 +33,6 @@ from coadapt.momdp.sarsop.sample import (
     run_trials,
 )
 from coadapt.momdp.sarsop.solution import Record, Solution, Status
-from coadapt.momdp.sarsop.start import controller, controller_values
 from coadapt.momdp.sarsop.tree import (
     BACKUPS,
     BLOCK,

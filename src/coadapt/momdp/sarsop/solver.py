@@ -12,10 +12,10 @@ from time import perf_counter
 
 from coadapt.momdp.model import MOMDP
 from coadapt.momdp.policy import AlphaVectorPolicy
+from coadapt.momdp.sarsop.controller import require_start
 from coadapt.momdp.sarsop.progress import ProgressLine
 from coadapt.momdp.sarsop.search import COMPILING, Search, compile_kernels, kernels_are_compiled
 from coadapt.momdp.sarsop.solution import Record, Solution, Status
-from coadapt.momdp.sarsop.start import require_start
 
 CALL_SECONDS = 0.1
 """About how long a kernel runs before Python looks up."""

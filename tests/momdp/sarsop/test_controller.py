@@ -1,4 +1,4 @@
-"""Starting the solver from a policy."""
+"""Policies as finite-state controllers: to start from, and condensed."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import coadapt as ca
-from coadapt.momdp import MOMDP, AlphaVectorPolicy
+from coadapt.momdp import MOMDP, AlphaVectorPolicy, action_values
 from coadapt.momdp.exact import exact_value
-from coadapt.momdp.sarsop import SARSOP
+from coadapt.momdp.sarsop import SARSOP, condensed
 from tests.momdp.problems import tiger
-from tests.momdp.strategies import jump_momdps, momdps
+from tests.momdp.strategies import beliefs, jump_momdps, momdps
 
 ROUNDING = 1e-9
 NO_SEARCH = SARSOP(max_backups=0)
@@ -74,3 +74,28 @@ def test_a_start_of_other_sizes_is_refused() -> None:
             tiger(),
             AlphaVectorPolicy(np.array([0, 0]), np.zeros((0, 2)), np.zeros(0, dtype=np.int64)),
         )
+
+
+@given(
+    momdps() | jump_momdps(discounts=(0.7,)), st.sampled_from((0, 5, 500)), st.integers(0, 2**32)
+)
+@settings(max_examples=60)
+def test_a_condensed_policy_earns_its_value(problem: MOMDP, backups: int, seed: int) -> None:
+    solution = SARSOP(gap=1e-3, max_backups=backups).solve(problem)
+    policy = condensed(problem, solution.policy)
+    assert np.all(np.diff(policy.start) > 0)
+    # As of the solver's own policies: V <= Q of its action everywhere.
+    for x, b in beliefs(problem, np.random.default_rng(seed)):
+        following = action_values(problem, policy, x, b)[policy.action(x, b)]
+        assert policy.value(x, b) <= following + ROUNDING
+    values = np.array([policy.value(root.x, root.belief) for root in problem.roots])
+    assert np.all(values <= solution.root_upper + ROUNDING)
+
+
+def test_condensing_costs_little() -> None:
+    problem = ca.SharedAutonomy(ca.worlds.table_clearing()).to_momdp()
+    solved = SARSOP(gap=SOLVED).solve(problem)
+    policy = condensed(problem, solved.policy)
+    values = np.array([policy.value(root.x, root.belief) for root in problem.roots])
+    assert np.all(values >= solved.root_lower - 0.1 * SOLVED)
+    assert len(policy.vectors) < len(solved.policy.vectors) / 2
