@@ -146,7 +146,7 @@ def command(
             tell(COMPILING)
             if not sys.stderr.isatty():
                 click.echo(COMPILING, err=True)
-        compile_kernels()
+        compile_kernels(start is not None or condense)
         compile_seconds = perf_counter() - begin
     launch_seconds = seconds_since_launch()
     try:

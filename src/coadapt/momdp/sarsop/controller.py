@@ -73,7 +73,18 @@ def controller(problem: MOMDP, policy: AlphaVectorPolicy) -> Controller:
     )
     root_x = np.array([root.x for root in problem.roots])
     root_belief = np.stack([root.belief for root in problem.roots])
-    met = meet(p, columns, root_x, root_belief, c)
+    hidden = problem.shape[1]
+    room = Meeting(
+        place=np.full(count, NOT_MET),
+        belief=np.empty((count, hidden)),
+        values=np.empty(int(np.diff(columns.start).max())),
+        support=np.empty(hidden, dtype=np.int32),
+        mass=np.empty(hidden),
+        moved=np.empty(hidden),
+        joint=np.empty(hidden),
+        spare=np.empty(hidden),
+    )
+    met = meet(p, columns, root_x, root_belief, c, room)
     return Controller(c.x[:met], c.action[:met], c.first[:met], c.following)
 
 
@@ -107,94 +118,108 @@ def condensed(problem: MOMDP, policy: AlphaVectorPolicy) -> AlphaVectorPolicy:
     )
 
 
+class Meeting(NamedTuple):
+    """Room to find the states in. Sizes: N vectors of the policy, Y hidden states."""
+
+    place: IntArray  # [N] of each vector in the controller, or NOT_MET
+    belief: FloatArray  # [N, Y] at which each state was first met, up to a factor
+    values: FloatArray  # as many as vectors of one observed state
+    support: Int32Array  # [Y]
+    mass: FloatArray  # [Y]
+    moved: FloatArray  # [Y]
+    joint: FloatArray  # [Y]
+    spare: FloatArray  # [Y]
+
+
 @kernel
 def meet(
-    p: Problem, policy: Columns, root_x: IntArray, root_belief: FloatArray, c: Controller
+    p: Problem,
+    policy: Columns,
+    root_x: IntArray,
+    root_belief: FloatArray,
+    c: Controller,
+    room: Meeting,
 ) -> int:
     """Fill ``c`` with the states that are met from the roots; their number.
 
     ``root_x`` ``[R]`` and ``root_belief`` ``[R, Y]`` are the roots.
     """
-    hidden = p.reward.shape[2]
-    count = c.x.shape[0]
-    place = np.full(count, np.int64(NOT_MET))  # of the policy's vectors in the controller
-    belief = np.empty((count, hidden))  # at which each state was first met
-    index, mass = np.empty(hidden, dtype=np.int32), np.empty(hidden)
-    index_next, mass_next = np.empty(hidden, dtype=np.int32), np.empty(hidden)
-    moved, joint, chance, spare = (
-        np.empty(hidden),
-        np.empty(hidden),
-        np.empty(hidden),
-        np.empty(hidden),
-    )
-    values = np.empty(np.max(policy.start[1:] - policy.start[:-1]))
-    met = at = 0
+    index, mass = room.support, room.mass
+    met = at = done = 0
     for r in range(root_x.shape[0]):
-        size = normalise(root_belief[r], index, mass)
-        v = best_vector(policy, root_x[r], index[:size], mass[:size], hidden, values)
-        if place[v] == NOT_MET:
-            place[v] = met
-            c.x[met], c.action[met] = root_x[r], policy.action[v]
-            belief[met] = root_belief[r]
-            met += 1
-    done = 0
+        met = max(met, 1 + state_at(policy, c, room, met, root_x[r], root_belief[r]))
     while done < met:
         c.first[done] = at
-        size = normalise(belief[done], index, mass)
         a = c.action[done]
         row = c.x[done] * p.reward.shape[1] + a
         for e in range(p.edge_start[row], p.edge_start[row + 1]):
             x_next = p.edge_next[e]
-            push(p, p.edge_map[e], index[:size], mass[:size], moved, spare)
+            size = support_of(room.belief[done], index, mass)
+            push(p, p.edge_map[e], index[:size], mass[:size], room.moved, room.spare)
             for o in range(p.observations):
-                chance_of(p, p.table[a, x_next] * hidden, o, chance)
-                joint[:] = moved * chance
-                entries = normalise(joint, index_next, mass_next)
-                if entries == 0:  # impossible here, so any choice will do
-                    joint[:] = chance
-                    entries = normalise(joint, index_next, mass_next)
-                if entries == 0:
-                    joint[:] = 1.0
-                    entries = normalise(joint, index_next, mass_next)
-                v = best_vector(
-                    policy, x_next, index_next[:entries], mass_next[:entries], hidden, values
-                )
-                if place[v] == NOT_MET:
-                    place[v] = met
-                    c.x[met], c.action[met] = x_next, policy.action[v]
-                    belief[met] = joint
-                    met += 1
-                c.following[at] = place[v]
+                weigh(p, p.table[a, x_next] * room.joint.shape[0], o, room.moved, room.joint)
+                state = state_at(policy, c, room, met, x_next, room.joint)
+                met = max(met, 1 + state)
+                c.following[at] = state
                 at += 1
         done += 1
     return met
 
 
 @bare
-def normalise(weights: FloatArray, index: Int32Array, mass: FloatArray) -> int:
-    """Write where ``weights`` ``[Y]`` are positive to ``index``, and their shares of the sum to
+def state_at(
+    policy: Columns, c: Controller, room: Meeting, met: int, x: int, belief: FloatArray
+) -> int:
+    """The state of the best vector of ``x`` at ``belief``, up to a factor; if new, ``met``."""
+    hidden = belief.shape[0]
+    size = support_of(belief, room.support, room.mass)
+    v = best_vector(policy, x, room.support[:size], room.mass[:size], hidden, room.values)
+    if room.place[v] == NOT_MET:
+        room.place[v] = met
+        c.x[met] = x
+        c.action[met] = policy.action[v]
+        for y in range(hidden):
+            room.belief[met, y] = belief[y]
+    return int(room.place[v])
+
+
+@bare
+def support_of(belief: FloatArray, index: Int32Array, mass: FloatArray) -> int:
+    """Write where ``belief`` ``[Y]`` is positive to ``index``, and its shares of the sum to
     ``mass``; how many they are."""
     total = 0.0
-    for y in range(weights.shape[0]):
-        total += weights[y]
+    for y in range(belief.shape[0]):
+        total += belief[y]
     size = 0
-    for y in range(weights.shape[0]):
-        if weights[y] > 0.0:
+    for y in range(belief.shape[0]):
+        if belief[y] > 0.0:
             index[size] = y
-            mass[size] = weights[y] / total
+            mass[size] = belief[y] / total
             size += 1
     return size
 
 
 @bare
-def chance_of(p: Problem, first: int, o: int, chance: FloatArray) -> None:
-    """Write the chance of ``o`` at every hidden state to ``chance`` ``[Y]``, from the observation
-    table that begins at ``first``."""
-    for y in range(chance.shape[0]):
-        chance[y] = 0.0
+def weigh(p: Problem, first: int, o: int, moved: FloatArray, joint: FloatArray) -> None:
+    """Write ``moved`` times the chance of ``o`` to ``joint``; both are ``[Y]``.
+
+    ``first`` is where the observation table begins. Where ``o`` is impossible any belief will do:
+    that which the chances alone would make, or else the uniform one.
+    """
+    hidden = joint.shape[0]
+    possible = seen = False
+    for y in range(hidden):
+        joint[y] = 0.0
         for j in range(p.seen_start[first + y], p.seen_start[first + y + 1]):
             if p.seen[j] == o:
-                chance[y] = p.seen_chance[j]
+                joint[y] = p.seen_chance[j]
+        seen = seen or joint[y] > 0.0
+        possible = possible or joint[y] * moved[y] > 0.0
+    for y in range(hidden):
+        if possible:
+            joint[y] *= moved[y]
+        elif not seen:
+            joint[y] = 1.0
 
 
 @kernel

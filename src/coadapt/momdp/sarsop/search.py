@@ -85,8 +85,11 @@ def kernels_are_compiled() -> bool:
 
 
 @cache
-def compile_kernels() -> None:
-    """Load the compiled kernels, or compile them and keep them on disk."""
+def compile_kernels(controllers: bool = False) -> None:
+    """Load the compiled kernels, or compile them and keep them on disk.
+
+    Those that read policies as ``controllers``, which few searches need, only if asked for.
+    """
     # One backup of a problem with one state touches every kernel that a search calls.
     problem = MOMDP.from_arrays(
         transition_x=np.ones((1, 1, 1)),
@@ -96,7 +99,8 @@ def compile_kernels() -> None:
         discount=0.5,
         roots=[Root(0, np.ones(1))],
     )
-    search = Search(problem, AlphaVectorPolicy(np.array([0, 1]), np.zeros((1, 1)), np.array([0])))
+    policy = AlphaVectorPolicy(np.array([0, 1]), np.zeros((1, 1)), np.array([0]))
+    search = Search(problem, policy if controllers else None)
     search.run(1e-3, 0.0, 1)
     search.tidy(np.full(COUNTS, 1 << 40))  # more than there is
     _ = search.record(0.0)

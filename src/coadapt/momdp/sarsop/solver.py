@@ -76,7 +76,7 @@ class SARSOP:
         with ProgressLine(self.progress) as line:
             if not kernels_are_compiled():
                 line.say(COMPILING)
-            compile_kernels()
+            compile_kernels(start is not None)
             line.say("initial bounds")
             begun = perf_counter()
             search = Search(problem, start, self.memory_limit)
