@@ -94,7 +94,7 @@ def command(
 
     from coadapt.momdp.evaluate import simulate_policy
     from coadapt.momdp.files import read_policy
-    from coadapt.momdp.policy import require_fit
+    from coadapt.momdp.policy import require_fit, value_at_roots
 
     with progress_line(not quiet) as tell:
         tell(f"reading {printable(problem)}")
@@ -117,7 +117,7 @@ def command(
             raise FileError(policy, None, f"{error}") from error
         tell("computing the exact value")
         exact = _skipped() if no_exact else exact_value_of(momdp, vectors)
-    claimed = float(sum(r.probability * vectors.value(r.x, r.belief) for r in momdp.roots))
+    claimed = value_at_roots(momdp, vectors)
     if not as_json:
         click.echo(f"{printable(problem)} under {printable(str(policy))}")
         click.echo(_summary(claimed, simulated, exact))
@@ -158,6 +158,7 @@ def exact_value_of(problem: MOMDP, policy: AlphaVectorPolicy) -> ExactValue:
     import numpy as np
 
     from coadapt.momdp.exact import evaluate_policy
+    from coadapt.momdp.policy import value_at_roots
 
     entries = len(problem.edge_next) * problem.shape[1] ** 2
     if entries > MOST_ENTRIES:
@@ -165,7 +166,7 @@ def exact_value_of(problem: MOMDP, policy: AlphaVectorPolicy) -> ExactValue:
         return ExactValue(None, None, 0, obstacle, 0.0)
     begin = perf_counter()
     weight = np.array([root.probability for root in problem.roots])
-    claimed = sum(r.probability * policy.value(r.x, r.belief) for r in problem.roots)
+    claimed = value_at_roots(problem, policy)
     tolerance = PRECISION * max(1.0, abs(claimed))
     value = evaluate_policy(problem, policy, tolerance, max_beliefs=MOST_BELIEFS)
     close = bool(np.all(value.upper - value.lower <= tolerance))

@@ -19,7 +19,7 @@ from coadapt.cli.progress import progress_line
 from coadapt.errors import FileError, InputError, printable
 
 if TYPE_CHECKING:
-    from coadapt.momdp import MOMDP, AlphaVectorPolicy
+    from coadapt.momdp import MOMDP
     from coadapt.momdp.sarsop import Record, Solution
 
 INTERRUPTED = 128 + 2
@@ -114,6 +114,7 @@ def command(
     """
     from coadapt.momdp.files import read_policy, write_policy
     from coadapt.momdp.files.policies import policy_suffix
+    from coadapt.momdp.policy import value_at_roots
     from coadapt.momdp.sarsop import SARSOP, compile_kernels, condensed, kernels_are_compiled
     from coadapt.momdp.sarsop.search import COMPILING
 
@@ -161,7 +162,7 @@ def command(
             raise
         raise FileError(start_policy, None, f"cannot be the start: {error}") from error
     policy = condensed(momdp, solution.policy) if condense else solution.policy
-    policy_lower = _value(momdp, policy) if condense else solution.lower
+    policy_lower = value_at_roots(momdp, policy) if condense else solution.lower
     write_policy(policy, target)
     if trace is not None:
         _write_trace(solution.trace, trace)
@@ -194,11 +195,6 @@ def command(
             click.echo(f"  condensed  {vectors}, value at least {policy_lower:.6g}")
         click.echo(f"Policy written to {printable(str(target))}")
     return INTERRUPTED if solution.status.value == "interrupted" else 0
-
-
-def _value(problem: MOMDP, policy: AlphaVectorPolicy) -> float:
-    """What the alpha vectors promise, weighted by the probability of the roots."""
-    return sum(root.probability * policy.value(root.x, root.belief) for root in problem.roots)
 
 
 def _summary(name: str, problem: MOMDP, solution: Solution, load_seconds: float) -> str:

@@ -17,8 +17,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from coadapt.arrays import FloatArray, IntArray
-from coadapt.momdp.exact import return_range
-from coadapt.momdp.model import MOMDP
+from coadapt.momdp.model import MOMDP, return_range
 from coadapt.momdp.policy import AlphaVectorPolicy, require_fit
 from coadapt.momdp.sarsop.episodes import (
     NO_VECTOR,

@@ -37,7 +37,7 @@ from scipy.spatial import HalfspaceIntersection
 
 from coadapt.arrays import FloatArray
 from coadapt.momdp.belief import likelihood, predict
-from coadapt.momdp.model import MOMDP
+from coadapt.momdp.model import MOMDP, return_range
 from coadapt.momdp.policy import AlphaVectorPolicy
 
 MAX_HIDDEN = 6
@@ -133,13 +133,6 @@ def exact_value(
     )
     lower = np.array([policy.value(root.x, root.belief) for root in problem.roots])
     return ExactSolution(lower, lower + error, policy, error, iterations)
-
-
-def return_range(problem: MOMDP) -> tuple[float, float]:
-    """Bounds of the discounted sum of rewards of an episode that may end at any time."""
-    worst, best = float(problem.reward.min()), float(problem.reward.max())
-    forever = 1.0 / (1.0 - problem.discount)
-    return min(worst, worst * forever), max(best, best * forever)
 
 
 def _edges(problem: MOMDP, x: int, a: int) -> list[_Edge]:

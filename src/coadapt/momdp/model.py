@@ -190,3 +190,10 @@ def _names(given: Sequence[str] | None, prefix: str, count: int) -> tuple[str, .
     if len(given) != count:
         raise ValueError(f"{len(given)} names for {count} values of {prefix}")
     return tuple(given)
+
+
+def return_range(problem: MOMDP) -> tuple[float, float]:
+    """Bounds of the discounted sum of rewards of an episode that may end at any time."""
+    worst, best = float(problem.reward.min()), float(problem.reward.max())
+    forever = 1.0 / (1.0 - problem.discount)
+    return min(worst, worst * forever), max(best, best * forever)

@@ -55,6 +55,11 @@ class AlphaVectorPolicy:
         return (self.vectors[self.start[x] : self.start[x + 1]] * belief).sum(axis=-1)
 
 
+def value_at_roots(problem: MOMDP, policy: AlphaVectorPolicy) -> float:
+    """What the alpha vectors promise at the roots, weighted by the probability of each."""
+    return sum(root.probability * policy.value(root.x, root.belief) for root in problem.roots)
+
+
 def require_fit(problem: MOMDP, policy: AlphaVectorPolicy) -> None:
     """Refuse a policy for a problem of another shape.
 

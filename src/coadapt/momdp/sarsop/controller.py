@@ -21,10 +21,9 @@ import numpy as np
 
 from coadapt.arrays import FloatArray, Int32Array, IntArray
 from coadapt.jit import bare, kernel
-from coadapt.momdp.exact import return_range
-from coadapt.momdp.model import MOMDP
+from coadapt.momdp.model import MOMDP, return_range
 from coadapt.momdp.policy import AlphaVectorPolicy, require_fit
-from coadapt.momdp.sarsop.episodes import Columns, as_columns, best_vector
+from coadapt.momdp.sarsop.episodes import Columns, as_columns, best_vector, correct, support_of
 from coadapt.momdp.sarsop.initial import extreme_value
 from coadapt.momdp.sarsop.problem import Problem, as_arrays, pull, push
 
@@ -34,9 +33,8 @@ NOT_MET = -1
 SWEEPS = 10_000
 """Most sweeps of its values."""
 
-SETTLED = 1e-9
-"""Sweeps for a condensed policy end when no value moves by more than this part of the largest
-reward."""
+SETTLED = 1e-6
+"""They end when no value is further from settled than about this part of the largest reward."""
 
 
 class Controller(NamedTuple):
@@ -60,9 +58,9 @@ def require_start(problem: MOMDP, policy: AlphaVectorPolicy) -> None:
         raise ValueError(f"the policy has no vector for {problem.observed_names[empty[0]]}")
 
 
-def controller(problem: MOMDP, policy: AlphaVectorPolicy) -> Controller:
-    """The states of ``policy`` that are met from the roots of ``problem``."""
-    p, columns = as_arrays(problem), as_columns(policy)
+def controller(problem: MOMDP, p: Problem, policy: AlphaVectorPolicy) -> Controller:
+    """The states of ``policy`` that are met from the roots of ``problem``, with arrays ``p``."""
+    columns = as_columns(policy)
     count = len(policy.vectors)
     fan = int(np.diff(p.edge_start).max(initial=0)) * p.observations
     c = Controller(
@@ -103,9 +101,8 @@ def condensed(problem: MOMDP, policy: AlphaVectorPolicy) -> AlphaVectorPolicy:
     """
     require_start(problem, policy)
     p = as_arrays(problem)
-    c = controller(problem, policy)
-    tolerance = SETTLED * (1.0 - p.discount) * float(np.abs(p.reward).max(initial=1e-6))
-    values = controller_values(p, c, tolerance, SWEEPS)
+    c = controller(problem, p, policy)
+    values = controller_values(p, c)
     states, _, hidden = p.reward.shape
     others = np.flatnonzero(np.bincount(c.x, minlength=states) == 0)
     x = np.concatenate([c.x, others])
@@ -122,7 +119,7 @@ class Meeting(NamedTuple):
     """Room to find the states in. Sizes: N vectors of the policy, Y hidden states."""
 
     place: IntArray  # [N] of each vector in the controller, or NOT_MET
-    belief: FloatArray  # [N, Y] at which each state was first met, up to a factor
+    belief: FloatArray  # [N, Y] at which each state was first met
     values: FloatArray  # as many as vectors of one observed state
     support: Int32Array  # [Y]
     mass: FloatArray  # [Y]
@@ -145,6 +142,8 @@ def meet(
     ``root_x`` ``[R]`` and ``root_belief`` ``[R, Y]`` are the roots.
     """
     index, mass = room.support, room.mass
+    moved, joint = room.moved, room.joint
+    hidden = joint.shape[0]
     met = at = done = 0
     for r in range(root_x.shape[0]):
         met = max(met, 1 + state_at(policy, c, room, met, root_x[r], root_belief[r]))
@@ -155,10 +154,17 @@ def meet(
         for e in range(p.edge_start[row], p.edge_start[row + 1]):
             x_next = p.edge_next[e]
             size = support_of(room.belief[done], index, mass)
-            push(p, p.edge_map[e], index[:size], mass[:size], room.moved, room.spare)
+            push(p, p.edge_map[e], index[:size], mass[:size], moved, room.spare)
+            table = p.table[a, x_next] * hidden
             for o in range(p.observations):
-                weigh(p, p.table[a, x_next] * room.joint.shape[0], o, room.moved, room.joint)
-                state = state_at(policy, c, room, met, x_next, room.joint)
+                for y in range(hidden):
+                    joint[y] = moved[y]
+                # Where the observation is impossible any belief will do.
+                if correct(p, table, o, joint) == 0.0:
+                    joint[:] = 1.0 / hidden
+                    if correct(p, table, o, joint) == 0.0:
+                        joint[:] = 1.0 / hidden
+                state = state_at(policy, c, room, met, x_next, joint)
                 met = max(met, 1 + state)
                 c.following[at] = state
                 at += 1
@@ -170,7 +176,7 @@ def meet(
 def state_at(
     policy: Columns, c: Controller, room: Meeting, met: int, x: int, belief: FloatArray
 ) -> int:
-    """The state of the best vector of ``x`` at ``belief``, up to a factor; if new, ``met``."""
+    """The state of the best vector of ``x`` at ``belief``; if new, ``met``."""
     hidden = belief.shape[0]
     size = support_of(belief, room.support, room.mass)
     v = best_vector(policy, x, room.support[:size], room.mass[:size], hidden, room.values)
@@ -183,55 +189,17 @@ def state_at(
     return int(room.place[v])
 
 
-@bare
-def support_of(belief: FloatArray, index: Int32Array, mass: FloatArray) -> int:
-    """Write where ``belief`` ``[Y]`` is positive to ``index``, and its shares of the sum to
-    ``mass``; how many they are."""
-    total = 0.0
-    for y in range(belief.shape[0]):
-        total += belief[y]
-    size = 0
-    for y in range(belief.shape[0]):
-        if belief[y] > 0.0:
-            index[size] = y
-            mass[size] = belief[y] / total
-            size += 1
-    return size
-
-
-@bare
-def weigh(p: Problem, first: int, o: int, moved: FloatArray, joint: FloatArray) -> None:
-    """Write ``moved`` times the chance of ``o`` to ``joint``; both are ``[Y]``.
-
-    ``first`` is where the observation table begins. Where ``o`` is impossible any belief will do:
-    that which the chances alone would make, or else the uniform one.
-    """
-    hidden = joint.shape[0]
-    possible = seen = False
-    for y in range(hidden):
-        joint[y] = 0.0
-        for j in range(p.seen_start[first + y], p.seen_start[first + y + 1]):
-            if p.seen[j] == o:
-                joint[y] = p.seen_chance[j]
-        seen = seen or joint[y] > 0.0
-        possible = possible or joint[y] * moved[y] > 0.0
-    for y in range(hidden):
-        if possible:
-            joint[y] *= moved[y]
-        elif not seen:
-            joint[y] = 1.0
-
-
 @kernel
-def controller_values(p: Problem, c: Controller, tolerance: float, sweeps: int) -> FloatArray:
+def controller_values(p: Problem, c: Controller) -> FloatArray:
     """``[V, Y]`` lower bounds of the values of the controller's states."""
     hidden = p.reward.shape[2]
+    tolerance = SETTLED * (1.0 - p.discount) * max(1e-6, np.max(np.abs(p.reward)))
     values = np.empty((c.x.shape[0], hidden))
     values.fill(extreme_value(p, -1.0))
     new = np.empty(hidden)
     mixed = np.empty(hidden)
     spare = np.empty(hidden)
-    for _ in range(sweeps):
+    for _ in range(SWEEPS):
         change = 0.0
         # The states met last come first: values travel back to the roots.
         for i in range(c.x.shape[0] - 1, -1, -1):

@@ -143,12 +143,7 @@ def run_steps(
             if policy.start[x] == policy.start[x + 1]:
                 return NO_VECTOR
             taken += 1
-            size = 0
-            for y in range(hidden):
-                if now.belief[n, y] > 0.0:
-                    index[size] = y
-                    mass[size] = now.belief[n, y]
-                    size += 1
+            size = support_of(now.belief[n], index, mass)
             a = policy.action[best_vector(policy, x, index[:size], mass[:size], hidden, values)]
             reward = p.reward[x, a, now.y[n]]
             now.total[n] += scale * reward
@@ -167,6 +162,19 @@ def run_steps(
             follow(p, row, x_next, index[:size], mass[:size], moved, spare, now.belief[n])
             correct(p, p.table[a, x_next] * hidden, o, now.belief[n])
     return taken
+
+
+@bare
+def support_of(belief: FloatArray, index: Int32Array, mass: FloatArray) -> int:
+    """Write where ``belief`` ``[Y]`` is positive to ``index``, and how much to ``mass``; the number
+    of these hidden states."""
+    size = 0
+    for y in range(belief.shape[0]):
+        if belief[y] > 0.0:
+            index[size] = y
+            mass[size] = belief[y]
+            size += 1
+    return size
 
 
 @bare
@@ -252,8 +260,12 @@ def follow(
 
 
 @bare
-def correct(p: Problem, first: int, o: int, belief: FloatArray) -> None:
-    """Weigh ``belief`` by the chance of ``o`` in the table that begins at ``first``; normalise."""
+def correct(p: Problem, first: int, o: int, belief: FloatArray) -> float:
+    """Weigh ``belief`` by the chance of ``o`` in the table that begins at ``first``; normalise.
+
+    Returns:
+        The chance of ``o``. Where it is 0 nothing is left of the belief.
+    """
     total = 0.0
     for y in range(belief.shape[0]):
         if belief[y] > 0.0:
@@ -263,5 +275,7 @@ def correct(p: Problem, first: int, o: int, belief: FloatArray) -> None:
                     likelihood = p.seen_chance[j]
             belief[y] *= likelihood
             total += belief[y]
-    for y in range(belief.shape[0]):
-        belief[y] /= total
+    if total > 0.0:
+        for y in range(belief.shape[0]):
+            belief[y] /= total
+    return total

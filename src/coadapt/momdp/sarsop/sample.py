@@ -158,11 +158,11 @@ def run_trials(
         if tree.used[BACKUPS] >= tree.used[SWEEP] and not sweep(p, tree, room, scratch):
             return NO_ROOM
         tree.used[TRIALS] += 1
-        turn = int(tree.used[TRIALS]) % len(AIMS)
-        exploit = turn % 2 == 0
+        trial = int(tree.used[TRIALS])
+        exploit = trial % 2 == 0
         follow = steps_to_follow(tree)
         to_the_end = follow == DEPTH_LIMIT
-        aim = max(allowed, AIMS[turn] * widest)
+        aim = max(allowed, AIMS[trial % len(AIMS)] * widest)
         depth = descend(p, tree, bins, root, aim, follow, room, path, scratch)
         if depth < 0:
             return NO_ROOM
@@ -198,8 +198,8 @@ def promising_action(p: Problem, tree: Tree, n: int, optimism: float, scratch: S
     """The action at opened node ``n`` with the best mean of both bounds of Q, where ``optimism``
     weighs the upper one; its branch has children.
 
-    Without any it is what the policy so far takes. Others are given children only where their upper
-    bound is larger than that one's.
+    The policy's action has children or is given them, others only where their upper bound is larger
+    than its.
     """
     lower = refresh_lower(tree, n, scratch)
     r = tree.nodes[n]["first_branch"]

@@ -254,10 +254,9 @@ class Search:
             values = policy_values(p, policy, order, tolerance, sweeps)
             add_vectors(tree, np.arange(states, dtype=np.int64), values, policy)
         if start is not None:
-            states_met = controller(self._problem, start)
+            states_met = controller(self._problem, p, start)
             # More exactly than the policies above: this is where the search goes on.
-            exactly = 1e-2 * (1.0 - p.discount) * tolerance
-            vectors = controller_values(p, states_met, exactly, SWEEPS)
+            vectors = controller_values(p, states_met)
             room[VECTORS] = room[GROUPS] = len(vectors)
             grow(tree, room)
             add_vectors(tree, states_met.x, vectors, states_met.action)
