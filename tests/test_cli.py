@@ -62,7 +62,7 @@ def test_help_imports_nothing_heavy(arguments: list[str]) -> None:
 
 
 def test_the_solver_imports_no_oracle() -> None:
-    # What exact solutions need takes a fifth of the time in which `coadapt solve` begins.
+    # What exact solutions need took a fifth of the time of this import.
     code = "import sys; import coadapt.momdp.sarsop; print(*sys.modules)"
     result = subprocess.run(
         [sys.executable, "-c", code], capture_output=True, text=True, env=ENVIRONMENT, check=True
